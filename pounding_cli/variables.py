@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -57,6 +58,116 @@ class Variable:
 
 _HEIGHT, _BOTH = ("height",), ("height", "sweep")
 
+_PlanVariable = partial(Variable, always=False)
+"""A variable that only files with plans have."""
+
+TWIST_VARIABLES = (
+    _PlanVariable(
+        "edge_drift_low", STOREY_DIMS, "m",
+        "largest storey drift at the lower edge of the plan along the street",
+        of="building.edge_drift_low", difference_scale="drift", label="drift, low edge",
+    ),
+    _PlanVariable(
+        "edge_drift_high", STOREY_DIMS, "m",
+        "largest storey drift at the upper edge of the plan along the street",
+        of="building.edge_drift_high", difference_scale="drift", label="drift, high edge",
+    ),
+    _PlanVariable(
+        "edge_drift_low0", STOREY_DIMS, "m",
+        "edge_drift_low of the building alone",
+        of="building.edge_drift_low", alone=True, difference_scale="drift0",
+        label="drift alone, low edge",
+    ),
+    _PlanVariable(
+        "edge_drift_high0", STOREY_DIMS, "m",
+        "edge_drift_high of the building alone",
+        of="building.edge_drift_high", alone=True, difference_scale="drift0",
+        label="drift alone, high edge",
+    ),
+    _PlanVariable(
+        "edge_drift", STOREY_DIMS, "m",
+        "largest storey drift at either edge of the plan; that of the storey where floors do not "
+        "twist",
+        formula=lambda of: np.maximum(of["edge_drift_low"], of["edge_drift_high"]), charts=_BOTH,
+        label="edge drift",
+    ),
+    _PlanVariable(
+        "edge_drift0", STOREY_DIMS, "m",
+        "edge_drift of the building alone",
+        formula=lambda of: np.maximum(of["edge_drift_low0"], of["edge_drift_high0"]),
+        label="edge drift alone",
+    ),
+    _PlanVariable(
+        "edge_drift_ratio", STOREY_DIMS, "1",
+        "edge_drift / height of the storey",
+        formula=lambda of: of["edge_drift"] / of["height"], charts=_BOTH, label="edge drift ratio",
+    ),
+    _PlanVariable(
+        "twist", FLOOR_DIMS, "rad",
+        "largest rotation of the floor about the vertical, either way",
+        of="building.twist", difference_scale="displacement", charts=_BOTH,
+    ),
+    _PlanVariable(
+        "twist0", FLOOR_DIMS, "rad",
+        "largest rotation of the floor of the building alone",
+        of="building.twist", alone=True, difference_scale="drift0", label="twist alone",
+    ),
+    _PlanVariable(
+        "line_V", LINE_DIMS, "N",
+        "largest shear of the frame line, without damping force",
+        of="line.line_shear", difference_scale="V", label="V of the line", charts=_BOTH,
+    ),
+    _PlanVariable(
+        "line_V0", LINE_DIMS, "N",
+        "largest shear of the frame line of the building alone",
+        of="line.line_shear", alone=True, difference_scale="V0", label="V₀ of the line",
+    ),
+    _PlanVariable(
+        "line_V_ratio", LINE_DIMS, "1",
+        "V / V0 of the line",
+        ratio=("line_V", "line_V0"), label="V/V₀ of the line", charts=_BOTH,
+    ),
+    _PlanVariable(
+        "line_mu", LINE_DIMS, "1",
+        "ductility of the frame line, largest drift over yield drift",
+        of="line.line_ductility", difference_scale="mu", label="μ of the line", charts=_BOTH,
+    ),
+    _PlanVariable(
+        "line_mu0", LINE_DIMS, "1",
+        "ductility of the frame line of the building alone",
+        of="line.line_ductility", alone=True, difference_scale="mu0", label="μ₀ of the line",
+    ),
+    _PlanVariable(
+        "line_mu_ratio", LINE_DIMS, "1",
+        "mu / mu0 of the line",
+        ratio=("line_mu", "line_mu0"), label="μ/μ₀ of the line", charts=_BOTH,
+    ),
+    _PlanVariable(
+        "line_drift", LINE_DIMS, "m",
+        "largest storey drift at the frame line, in its plane",
+        of="line.line_drift", difference_scale="drift", label="drift of the line", charts=_BOTH,
+    ),
+    _PlanVariable(
+        "line_drift0", LINE_DIMS, "m",
+        "largest storey drift at the frame line of the building alone",
+        of="line.line_drift", alone=True, difference_scale="drift0",
+        label="drift of the line alone",
+    ),
+    _PlanVariable(
+        "line_drift_ratio", LINE_DIMS, "1",
+        "drift of the line / height of the storey",
+        formula=lambda of: of["line_drift"] / of["height"][..., None],
+        label="drift ratio of the line",
+    ),
+    _PlanVariable(
+        "line_residual_drift", LINE_DIMS, "m",
+        "drift of the line at rest, long after the motion",
+        of="line.line_residual_drift", difference_scale="drift",
+        label="residual drift of the line",
+    ),
+)  # fmt: skip
+"""What responses have where some building has a plan: edges, twists and frame lines."""
+
 RESPONSE_VARIABLES = (
     Variable("V", STOREY_DIMS, "N",
              "largest storey shear, without damping force; of floors that twist that of all lines together",
@@ -105,52 +216,7 @@ RESPONSE_VARIABLES = (
              kind="i", always=False),
     Variable("collapsed0", BUILDING_DIMS, "1", "likewise of the building alone",
              kind="i", alone=True, always=False),
-    Variable("edge_drift_low", STOREY_DIMS, "m", "largest storey drift at the lower edge of the plan along the street",
-             of="building.edge_drift_low", difference_scale="drift", label="drift, low edge", always=False),
-    Variable("edge_drift_high", STOREY_DIMS, "m", "largest storey drift at the upper edge of the plan along the street",
-             of="building.edge_drift_high", difference_scale="drift", label="drift, high edge", always=False),
-    Variable("edge_drift_low0", STOREY_DIMS, "m", "edge_drift_low of the building alone",
-             of="building.edge_drift_low", alone=True, difference_scale="drift0", label="drift alone, low edge",
-             always=False),
-    Variable("edge_drift_high0", STOREY_DIMS, "m", "edge_drift_high of the building alone",
-             of="building.edge_drift_high", alone=True, difference_scale="drift0", label="drift alone, high edge",
-             always=False),
-    Variable("edge_drift", STOREY_DIMS, "m",
-             "largest storey drift at either edge of the plan; that of the storey where floors do not twist",
-             formula=lambda of: np.maximum(of["edge_drift_low"], of["edge_drift_high"]), charts=_BOTH,
-             label="edge drift", always=False),
-    Variable("edge_drift0", STOREY_DIMS, "m", "edge_drift of the building alone",
-             formula=lambda of: np.maximum(of["edge_drift_low0"], of["edge_drift_high0"]), label="edge drift alone",
-             always=False),
-    Variable("edge_drift_ratio", STOREY_DIMS, "1", "edge_drift / height of the storey",
-             formula=lambda of: of["edge_drift"] / of["height"], charts=_BOTH, label="edge drift ratio", always=False),
-    Variable("twist", FLOOR_DIMS, "rad", "largest rotation of the floor about the vertical, either way",
-             of="building.twist", difference_scale="displacement", charts=_BOTH, always=False),
-    Variable("twist0", FLOOR_DIMS, "rad", "largest rotation of the floor of the building alone",
-             of="building.twist", alone=True, difference_scale="drift0", label="twist alone", always=False),
-    Variable("line_V", LINE_DIMS, "N", "largest shear of the frame line, without damping force",
-             of="line.line_shear", difference_scale="V", label="V of the line", charts=_BOTH, always=False),
-    Variable("line_V0", LINE_DIMS, "N", "largest shear of the frame line of the building alone",
-             of="line.line_shear", alone=True, difference_scale="V0", label="V₀ of the line", always=False),
-    Variable("line_V_ratio", LINE_DIMS, "1", "V / V0 of the line",
-             ratio=("line_V", "line_V0"), label="V/V₀ of the line", charts=_BOTH, always=False),
-    Variable("line_mu", LINE_DIMS, "1", "ductility of the frame line, largest drift over yield drift",
-             of="line.line_ductility", difference_scale="mu", label="μ of the line", charts=_BOTH, always=False),
-    Variable("line_mu0", LINE_DIMS, "1", "ductility of the frame line of the building alone",
-             of="line.line_ductility", alone=True, difference_scale="mu0", label="μ₀ of the line", always=False),
-    Variable("line_mu_ratio", LINE_DIMS, "1", "mu / mu0 of the line",
-             ratio=("line_mu", "line_mu0"), label="μ/μ₀ of the line", charts=_BOTH, always=False),
-    Variable("line_drift", LINE_DIMS, "m", "largest storey drift at the frame line, in its plane",
-             of="line.line_drift", difference_scale="drift", label="drift of the line", charts=_BOTH, always=False),
-    Variable("line_drift0", LINE_DIMS, "m", "largest storey drift at the frame line of the building alone",
-             of="line.line_drift", alone=True, difference_scale="drift0", label="drift of the line alone",
-             always=False),
-    Variable("line_drift_ratio", LINE_DIMS, "1", "drift of the line / height of the storey",
-             formula=lambda of: of["line_drift"] / of["height"][..., None], label="drift ratio of the line",
-             always=False),
-    Variable("line_residual_drift", LINE_DIMS, "m", "drift of the line at rest, long after the motion",
-             of="line.line_residual_drift", difference_scale="drift", label="residual drift of the line",
-             always=False),
+    *TWIST_VARIABLES,
     Variable("impacts", LINK_DIMS, "1", "number of times the link closed",
              of="link.impacts", difference_scale=NO_DIFFERENCE, charts=_BOTH, label="contacts"),
     Variable("peak_force", LINK_DIMS, "N", "largest link force, along its axis where the link is inclined",
@@ -211,21 +277,31 @@ SCENE_VARIABLES = (
 LINE_VARIABLES = tuple(each for each in RESPONSE_VARIABLES if each.dims == LINE_DIMS)
 """Variables of frame lines; the table of lines and expressions call them without `line_`."""
 
-TWIST_VARIABLES = tuple(
-    each for each in RESPONSE_VARIABLES if each.dims == LINE_DIMS or each.name.startswith(("edge_drift", "twist"))
-)
-"""Variables that files have where some building has a plan."""
-
 COLUMN_VARIABLES = ("left_at", "right_at", "shear_below", "shear_above", "shear_demand")
 """Names of the variables that files have where some link ends on columns."""
 
 INCLINED_VARIABLES = ("inclination", "facing")
 """Names of the variables that files have where some link joins places of different heights."""
 
-PLACED_VARIABLES = ("street", "left_arm", "right_arm")
-"""Names of the variables that files have where some floor may twist."""
-
 _WHERE = "part of the height of the storey below its floor, 1 at it"
+
+_PLACED_VARIABLES = (
+    _PlanVariable(
+        "street", ("case", "link"), "m",
+        "place of its left end along the street, of its right end beside a building without a plan",
+    ),
+    _PlanVariable(
+        "left_arm", ("case", "link"), "m",
+        "place of its left end along the street, from the centre of mass",
+    ),
+    _PlanVariable(
+        "right_arm", ("case", "link"), "m",
+        "place of its right end along the street, from the centre of mass",
+    ),
+)  # fmt: skip
+
+PLACED_VARIABLES = tuple(each.name for each in _PLACED_VARIABLES)
+"""Names of the variables of links that files have where some building has a plan."""
 
 LINK_VARIABLES = (
     Variable("kind", ("case", "link"), "", "law of the link; empty where there is none", "s"),
@@ -238,12 +314,41 @@ LINK_VARIABLES = (
     Variable("facing", ("case", "link"), "1",
              "1 where its ends are as high as each other, within the slabs; 0 elsewhere: there it crosses no gap",
              always=False),
-    Variable("street", ("case", "link"), "m",
-             "place of its left end along the street, of its right end beside a building without a plan", always=False),
-    Variable("left_arm", ("case", "link"), "m", "place of its left end along the street, from the centre of mass",
-             always=False),
-    Variable("right_arm", ("case", "link"), "m", "place of its right end along the street, from the centre of mass",
-             always=False),
+    *_PLACED_VARIABLES,
+)  # fmt: skip
+
+_PLAN_VARIABLES = (
+    _PlanVariable(
+        "plan_low", ("building",), "m",
+        "lower edge of the plan along the street; NaN without a plan",
+    ),
+    _PlanVariable("plan_high", ("building",), "m", "upper edge of the plan along the street"),
+    _PlanVariable("plan_centre", ("building",), "m", "centre of mass along the street"),
+    _PlanVariable(
+        "inertia", ("building", "storey"), "kg m2",
+        "rotary inertia of the floor about its centre of mass",
+    ),
+    _PlanVariable(
+        "torsional_stiffness", ("building", "storey"), "N m",
+        "of the storey beside its frame lines, about the vertical",
+    ),
+    _PlanVariable(
+        "stiffness_centre", ("building", "storey"), "m",
+        "centre of stiffness along the street, of the lines along the row",
+    ),
+    _PlanVariable(
+        "line_street", ("building", "line"), "m",
+        "place of a line along the row, along the street; NaN of others",
+    ),
+    _PlanVariable(
+        "line_x", ("building", "line"), "m",
+        "place of a line across the row from the centre of mass; NaN of others",
+    ),
+    _PlanVariable(
+        "line_stiffness", ("building", "storey", "line"), "N/m",
+        "initial stiffness of a line",
+    ),
+    _PlanVariable("line_yield_shear", ("building", "storey", "line"), "N", "yield shear of a line"),
 )  # fmt: skip
 
 # BUILDING_VARIABLES and RECORD_VARIABLES have only those swept axes that change one of them.
@@ -256,44 +361,7 @@ BUILDING_VARIABLES = (
     Variable("period", ("building",), "s", "fundamental period on a fixed base"),
     Variable("base_shear_ratio", ("building",), "1", "yield shear of the lowest storey over the weight, V/W"),
     Variable("slab", ("building",), "m", "thickness of the floor slabs", always=False),
-    Variable(
-        "plan_low", ("building",), "m", "lower edge of the plan along the street; NaN without a plan", always=False
-    ),
-    Variable("plan_high", ("building",), "m", "upper edge of the plan along the street", always=False),
-    Variable("plan_centre", ("building",), "m", "centre of mass along the street", always=False),
-    Variable(
-        "inertia", ("building", "storey"), "kg m2", "rotary inertia of the floor about its centre of mass", always=False
-    ),
-    Variable(
-        "torsional_stiffness",
-        ("building", "storey"),
-        "N m",
-        "of the storey beside its frame lines, about the vertical",
-        always=False,
-    ),
-    Variable(
-        "stiffness_centre",
-        ("building", "storey"),
-        "m",
-        "centre of stiffness along the street, of the lines along the row",
-        always=False,
-    ),
-    Variable(
-        "line_street",
-        ("building", "line"),
-        "m",
-        "place of a line along the row, along the street; NaN of others",
-        always=False,
-    ),
-    Variable(
-        "line_x",
-        ("building", "line"),
-        "m",
-        "place of a line across the row from the centre of mass; NaN of others",
-        always=False,
-    ),
-    Variable("line_stiffness", ("building", "storey", "line"), "N/m", "initial stiffness of a line", always=False),
-    Variable("line_yield_shear", ("building", "storey", "line"), "N", "yield shear of a line", always=False),
+    *_PLAN_VARIABLES,
     Variable("separation", ("building",), "m", "separation by the code from the building to the right"),
 )
 
@@ -306,10 +374,7 @@ RECORD_VARIABLES = (
     Variable("record_arias", ("record",), "m/s", "Arias intensity as used", label="Arias intensity"),
 )
 
-PLAN_VARIABLES = (
-    "plan_low", "plan_high", "plan_centre", "inertia", "torsional_stiffness", "stiffness_centre",
-    "line_street", "line_x", "line_stiffness", "line_yield_shear",
-)  # fmt: skip
+PLAN_VARIABLES = tuple(each.name for each in _PLAN_VARIABLES)
 """Names of the variables of buildings that files have where some building has a plan."""
 
 _STATISTICS = {

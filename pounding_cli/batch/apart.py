@@ -15,7 +15,14 @@ import numpy as np
 from pounding_cli.model.effects import DroppedEffect, effects_of
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
-from pounding_cli.solver.response import DONE, LINKS, Response, building_names, count_lines, no_peaks
+from pounding_cli.solver.response import (
+    DONE,
+    LINKS,
+    Response,
+    building_names,
+    count_lines,
+    no_peaks,
+)
 
 MAX_REMEMBERED = 4096
 """Largest number of responses that `ApartResponses` holds."""
@@ -99,8 +106,8 @@ def stays_open(scene: Scene, apart: ApartScene, response: Response, accuracy: fl
     displacements = np.concatenate([response.peaks[name].ravel() for name in ("displacement_max", "displacement_min")])
     largest = np.nanmax(np.abs(displacements), initial=0.0)  # a wall that moves with the ground has none
     if count_lines(response.peaks):
-        arm = max((max(abs(link.left_arm), abs(link.right_arm)) for link in scene.links), default=0.0)
-        largest += arm * np.nanmax(response.peaks["twist"], initial=0.0)
+        arms = [abs(arm) for link in scene.links for arm in (link.left_arm, link.right_arm)]
+        largest += max(arms, default=0.0) * np.nanmax(response.peaks["twist"], initial=0.0)
     margin = MAX_CLOSING_ERROR * accuracy * largest
     return bool(np.all(_open_gaps_to_rest(scene, apart, response) > margin))
 

@@ -170,17 +170,20 @@ class Building:
     def _check_plan(self, plan: FloorPlan) -> None:
         """Refuse a plan of another building, and one whose floors can turn without resistance."""
         if plan.storeys != self.storeys:
-            raise ValueError(f"{self.name}: its plan has {pluralize(plan.storeys, 'storey')}, not {self.storeys}")
+            storeys = pluralize(plan.storeys, "storey")
+            raise ValueError(f"{self.name}: its plan has {storeys}, not {self.storeys}")
         for key in ("stiffness", "yield_shear"):
             sums = getattr(plan, key)
             wrong = np.flatnonzero(~np.isclose(getattr(self, key), sums, rtol=1e-9))
             if wrong.size:
                 j = wrong[0]
                 own = getattr(self, key)[j]
-                raise ValueError(f"{self.name}: {key} of storey {j + 1} is {own:g}; its lines add up to {sums[j]:g}")
+                given = f"{key} of storey {j + 1} is {own:g}"
+                raise ValueError(f"{self.name}: {given}; its lines add up to {sums[j]:g}")
         matrices = plan.storey_matrices()
         resistance = np.linalg.det(matrices)
-        wrong = np.flatnonzero(~(resistance > NO_RESISTANCE * matrices[:, 0, 0] * matrices[:, 1, 1]))
+        rounding = NO_RESISTANCE * matrices[:, 0, 0] * matrices[:, 1, 1]
+        wrong = np.flatnonzero(~(resistance > rounding))
         if wrong.size:
             raise ValueError(
                 f"{self.name}: nothing keeps the floors of storey {wrong[0] + 1} from turning; "

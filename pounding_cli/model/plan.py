@@ -207,11 +207,11 @@ class FloorPlan:
         unmatched = list(self.lines)
         while unmatched:
             line = unmatched[0]
-            mirrored = next((number for number, other in enumerate(unmatched) if self._are_mirrored(line, other)), None)
-            if mirrored is None:
+            mirrored = [number for number, other in enumerate(unmatched) if self._are_mirrored(line, other)]
+            if not mirrored:
                 return True
-            del unmatched[mirrored]
-            if mirrored > 0:  # else it stands at the centres of mass
+            del unmatched[mirrored[0]]
+            if mirrored[0] > 0:  # else it stands at the centres of mass
                 del unmatched[0]
         return False
 

@@ -55,7 +55,7 @@ _STIFFNESS = "#009E73"
 
 
 @dataclass(frozen=True)
-class Placed:
+class PlacedPlan:
     """A plan at its place in the picture.
 
     left, right : where its edges stand along the row [m]; gaps are drawn wider than they are
@@ -123,18 +123,20 @@ def draw_from_above(evidence: Evidence) -> Figure:
     return figure
 
 
-def _place_plans(outlines: Sequence[PlanOutline], marks: Sequence[LinkMark]) -> list[Placed]:
+def _place_plans(outlines: Sequence[PlanOutline], marks: Sequence[LinkMark]) -> list[PlacedPlan]:
     """Return the plans side by side along the row, with room for the links between them."""
     room = LEAST_GAP * sum(outline.width for outline in outlines) / len(outlines)
-    placed: list[Placed] = []
+    placed: list[PlacedPlan] = []
     for number, outline in enumerate(outlines):
         gaps = [gap for mark in marks if mark.left == number - 1 for gap in mark.gaps]
         left = placed[-1].right + max(room, *gaps) if placed and gaps else placed[-1].right + room if placed else 0.0
-        placed.append(Placed(outline, left, left + outline.depth))
+        placed.append(PlacedPlan(outline, left, left + outline.depth))
     return placed
 
 
-def _draw_panel(ax: Axes, placed: Sequence[Placed], marks: Sequence[LinkMark], evidence: Evidence, inch: float) -> None:
+def _draw_panel(
+    ax: Axes, placed: Sequence[PlacedPlan], marks: Sequence[LinkMark], evidence: Evidence, inch: float
+) -> None:
     """Draw the plans with the links of some cases.
 
     inch : metres that an inch on paper stands for
@@ -157,7 +159,7 @@ def _draw_panel(ax: Axes, placed: Sequence[Placed], marks: Sequence[LinkMark], e
     ax.set_ylabel("along the street [m]  →")
 
 
-def _draw_plan(ax: Axes, placed: Placed, inch: float) -> None:
+def _draw_plan(ax: Axes, placed: PlacedPlan, inch: float) -> None:
     """Draw one plan with its frame lines and centres."""
     from matplotlib.patches import Rectangle
 
@@ -199,7 +201,7 @@ def _thickness(share: float) -> float:
     return 0.8 + 6.0 * share
 
 
-def _draw_centres(ax: Axes, placed: Placed, inch: float) -> None:
+def _draw_centres(ax: Axes, placed: PlacedPlan, inch: float) -> None:
     """Draw the centre of mass, those of stiffness, and the distance between them."""
     outline = placed.outline
     x = placed.middle
@@ -222,7 +224,7 @@ def _draw_centres(ax: Axes, placed: Placed, inch: float) -> None:
         ax.annotate("", (x, mean), xytext=(x, outline.centre), arrowprops=arrow)
 
 
-def _name_plan(ax: Axes, placed: Placed, low: float, evidence: Evidence) -> None:
+def _name_plan(ax: Axes, placed: PlacedPlan, low: float, evidence: Evidence) -> None:
     """Write name and size of a building below the plans.
 
     low : lowest edge of all plans along the street [m]
@@ -242,7 +244,7 @@ def _name_plan(ax: Axes, placed: Placed, low: float, evidence: Evidence) -> None
 
 
 def _draw_links(
-    ax: Axes, left: Placed, right: Placed, marks: Sequence[LinkMark], evidence: Evidence
+    ax: Axes, left: PlacedPlan, right: PlacedPlan, marks: Sequence[LinkMark], evidence: Evidence
 ) -> None:  # fmt: skip
     """Draw the links between two neighbours, and the edge that they share."""
     if not marks:

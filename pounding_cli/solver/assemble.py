@@ -246,7 +246,9 @@ class _Building:
         self.turns = slice(self._first_turn, self._first_turn + b.storeys)
         square_radius = find_square_radii(plan.inertia, b.mass)
         for j, stiffness in enumerate(plan.torsional_stiffness.tolist()):
-            load = 0.0 if b.gravity_load is None else float(b.gravity_load[j] * square_radius[j] / b.height[j])
+            load = 0.0
+            if b.gravity_load is not None:
+                load = float(b.gravity_load[j] * square_radius[j] / b.height[j])
             storey = _storey(stiffness, b.beta * stiffness)
             storey |= {"load": load, "twists": self._twists(j), "mate": self.floors.start + j}
             self._add(
@@ -267,7 +269,8 @@ class _Building:
                 weights = {turn: lever, turn_below: -lever}
                 if is_along:
                     weights |= {self.floors.start + j: 1.0, below: -1.0, self.foot: -float(b.height[j])}
-                element = _storey(law.stiffness, b.beta * law.stiffness, law if yields and law.can_yield else None)
+                yielding = law if yields and law.can_yield else None
+                element = _storey(law.stiffness, b.beta * law.stiffness, yielding)
                 limit = float(b.collapse_drift[j]) if collapses and is_along else math.inf
                 element |= {"collapse": limit, "storey": self.floors.start + j, "mate": turn}
                 element |= {"along": float(is_along), "lever": lever}
@@ -358,7 +361,8 @@ def _column_shears(
                 higher = other.at > own.at if above else other.at >= own.at
                 weight = other.cosine * (1.0 - to_above if higher else -to_above)
                 terms.append((weight if own.on_left else -weight, first_link + other.link))
-            terms += [(own.share, line) for line in _lines_of_storey(made, own.building, own.storey - 1, first_line)]
+            lines = _lines_of_storey(made, own.building, own.storey - 1, first_line)
+            terms += [(own.share, line) for line in lines]
             storey = made[own.building].floors.start + own.storey - 1
             shears.append({"share": own.share, "storey": storey, "first": first, "last": len(terms)})
     return shears
@@ -402,9 +406,41 @@ def layout_of(scene: Scene) -> Layout:
     """Lay out the buildings and links of a scene."""
     effects, links = effects_of(scene), scene.links
     ties = tuple(
-        Tie(link.ends, link.columns, link.cosine, (link.left_arm, link.right_arm), type(link.law)) for link in links
+        Tie(
+            ends=link.ends,
+            columns=link.columns,
+            cosine=link.cosine,
+            arms=(link.left_arm, link.right_arm),
+            law=type(link.law),
+        )
+        for link in links
     )
     return _layout_of(scene.buildings, ties, effects.yielding, effects.collapse)
+
+
+def _link(behaviour: Behaviour) -> dict[str, Any]:
+    """The element of a link."""
+    return _element(behaviour, eased=behaviour.force is not None and not behaviour.begins_by_series)
+
+
+def _find_ends(made: Sequence[_Building], tie: Tie, inv_mass: np.ndarray) -> tuple[Weights, tuple[float, float]]:
+    """Return the weights of a link in its deformation, and the masses that its force moves at both ends [kg]; inf where
+    the ground stops it.
+
+    inv_mass : of all degrees of freedom [1/kg]
+    """
+    left, right = (
+        _scale_weights(made[number].end(floor, at, arm), tie.cosine)
+        for (number, floor, at), arm in zip(tie.ends, tie.arms, strict=True)
+    )
+    left_mass, right_mass = (_mass_moved_by(end, inv_mass) for end in (left, right))
+    return left | {dof: -weight for dof, weight in right.items()}, (left_mass, right_mass)
+
+
+def _mass_moved_by(end: Weights, inv_mass: np.ndarray) -> float:
+    """Return the mass that a force on the end of a link moves [kg], inf where that does not move."""
+    moved = sum(weight * weight * float(inv_mass[dof]) for dof, weight in end.items())
+    return 1.0 / moved if moved else math.inf
 
 
 @functools.lru_cache(maxsize=64)  # the same for every motion, gap and restitution
@@ -413,34 +449,23 @@ def _layout_of(buildings: tuple[Building, ...], ties: tuple[Tie, ...], yields: b
     for building in buildings:
         made.append(_Building(building, sum(len(each.dofs) for each in made), yields, collapses))
     dofs = _filled(DOF, [dof for each in made for dof in each.dofs])
-    storeys, drags = [each for b in made for each in b.storeys], [each for b in made for each in b.drags]
-    lines = [line for b in made for line in b.lines]
-    n, behaviours, all_weights, masses = dofs.size, [tie.law.behaviour for tie in ties], [], []
-    for tie in ties:
-        left, right = (
-            _scale_weights(made[b].end(floor, at, arm), tie.cosine)
-            for (b, floor, at), arm in zip(tie.ends, tie.arms, strict=True)
-        )
-        all_weights.append(left | {dof: -weight for dof, weight in right.items()})
-        moving = [sum(w * w * float(dofs["inv_mass"][i]) for i, w in end.items()) for end in (left, right)]
-        masses.append((1.0 / moving[0] if moving[0] else math.inf, 1.0 / moving[1] if moving[1] else math.inf))
-    links = [_element(each, eased=each.force is not None and not each.begins_by_series) for each in behaviours]
-    elements, terms = (
-        _filled(ELEMENT, [*storeys, *(drag for drag, _ in drags), *(line.element for line in lines), *links]),
-        list[tuple[float, int]](),
-    )
+    storeys = [each for b in made for each in b.storeys]
+    drags = [each for b in made for each in b.drags]
+    lines = [(line.element, line.weights) for b in made for line in b.lines]
+    n = dofs.size
+    tied = [_find_ends(made, tie, dofs["inv_mass"]) for tie in ties]
+    links = [(_link(tie.law.behaviour), weights) for tie, (weights, _) in zip(ties, tied, strict=True)]
+    beside = [*drags, *lines, *links]
+    elements = _filled(ELEMENT, [*storeys, *(element for element, _ in beside)])
+    terms = list[tuple[float, int]]()
     for i, element in enumerate(elements[:n]):
         element["left"], element["right"], element["hold"] = i, max(i - 1, 0), dofs[i]["below"]
         element["first"] = len(terms)
         terms += [(dofs[i]["lean"], dofs[i]["foot"])] if dofs[i]["lean"] else []
         element["last"] = len(terms)
-    for element, weights in zip(
-        elements[n:], [*(own for _, own in drags), *(line.weights for line in lines), *all_weights], strict=True
-    ):
+    for element, (_, weights) in zip(elements[n:], beside, strict=True):
         _tie(element, weights, terms)
     struck = tuple(_find_columns(number, tie) for number, tie in enumerate(ties) if tie.columns > 0.0)
-    cosines = np.array([tie.cosine for tie in ties])
-    floors = tuple(each.floors for each in made)
     sums = tuple(number for number, building in enumerate(buildings) if building.plan is not None)
     first_line = n + len(drags)
     shears = _column_shears(struck, made, first_line, terms)
@@ -449,30 +474,39 @@ def _layout_of(buildings: tuple[Building, ...], ties: tuple[Tie, ...], yields: b
     columns = _filled(COLUMN, shears, 1)
     table = np.zeros(max(len(terms), 1), TERM)
     table["weight"][: len(terms)], table["dof"][: len(terms)] = [w for w, _ in terms], [i for _, i in terms]
-    each = [BEHAVIOURS[kind] for kind in elements["kind"].tolist()]
-    in_rows = np.flatnonzero([own.force is not None or own is Slider.behaviour for own in each[:n]])
-    elements["row"][in_rows] = elements.size - n + np.arange(in_rows.size)
-    places = tuple((number, line.storey, line.number) for number, b in enumerate(made) for line in b.lines)
-    changing = [e for e, own in enumerate(each) if own.history_rate is not None or own is Maxwell.behaviour]
-    elements["state"][changing] = 2 * n + np.arange(len(changing))
+    behaviours = [BEHAVIOURS[kind] for kind in elements["kind"].tolist()]
+    _number_states(elements, behaviours, n)
     return Layout(
         buildings=buildings,
         dofs=dofs,
         elements=elements,
         terms=table,
         columns=columns,
-        masses=tuple(masses),
-        cosines=cosines,
-        floors=floors,
+        masses=tuple(masses for _, masses in tied),
+        cosines=np.array([tie.cosine for tie in ties]),
+        floors=tuple(each.floors for each in made),
         bases=tuple(each.base for each in made),
         feet=tuple(each.foot for each in made),
         turns=tuple(each.turns for each in made),
         drags=len(drags),
-        lines=places,
+        lines=tuple((number, line.storey, line.number) for number, b in enumerate(made) for line in b.lines),
         sums=sums,
         struck=struck,
-        has_smooth=any(own.force is not None for own in each),
+        has_smooth=any(each.force is not None for each in behaviours),
     )
+
+
+def _number_states(elements: np.ndarray, behaviours: Sequence[Behaviour], n: int) -> None:
+    """Enter where elements of storeys stand among the series, and history variables among what DOP853 integrates.
+
+    n : degrees of freedom
+    """
+    in_rows = np.flatnonzero([each.force is not None or each is Slider.behaviour for each in behaviours[:n]])
+    elements["row"][in_rows] = elements.size - n + np.arange(in_rows.size)
+    changing = [
+        number for number, each in enumerate(behaviours) if each.history_rate is not None or each is Maxwell.behaviour
+    ]
+    elements["state"][changing] = 2 * n + np.arange(len(changing))
 
 
 def _put_links(elements: np.ndarray, scenes: Sequence[Scene], masses: Sequence[tuple[float, float]]) -> np.ndarray:
@@ -562,11 +596,7 @@ def records_of(
     dofs, elements, columns = (np.tile(each, (count, 1)) for each in (layout.dofs, layout.elements, layout.columns))
     formulas = _put_links(elements[:, layout.of_links], scenes, layout.masses)
     if initial is not None:
-        for floors, turns, u, v in zip(layout.floors, layout.turns, *initial, strict=True):
-            storeys = floors.stop - floors.start
-            dofs["u0"][:, floors], dofs["w"][:, floors, 0] = u[:storeys], v[:storeys]
-            if len(u) > storeys:  # rotations behind the displacements
-                dofs["u0"][:, turns], dofs["w"][:, turns, 0] = u[storeys:], v[storeys:]
+        _put_initial(dofs, layout, *initial)
     tolerance = min(max(accuracy * SAFETY, FINEST), COARSEST)
     r, always_smooth = np.zeros(count, RUN), method.name == "dop853"
     r["n"], r["m"], r["drags"], r["lines"] = n, m, layout.drags, len(layout.lines)
@@ -595,6 +625,20 @@ def records_of(
         t = times.size
         watch = Watch(times, np.zeros((t, n, 3)), np.zeros((t, m, 2)), np.zeros((t, 3)), np.zeros((t, n)))
     return Data(dofs, elements, layout.terms, r, series, columns, room, watch)
+
+
+def _put_initial(
+    dofs: np.ndarray, layout: Layout, displacements: Sequence[np.ndarray], velocities: Sequence[np.ndarray]
+) -> None:
+    """Enter the initial displacements and velocities of the floors of every building, shapes (floors,); with their
+    rotations behind them, shapes (2 floors,)."""
+    for floors, turns, u, v in zip(layout.floors, layout.turns, displacements, velocities, strict=True):
+        storeys = floors.stop - floors.start
+        dofs["u0"][:, floors] = u[:storeys]
+        dofs["w"][:, floors, 0] = v[:storeys]
+        if len(u) > storeys:
+            dofs["u0"][:, turns] = u[storeys:]
+            dofs["w"][:, turns, 0] = v[storeys:]
 
 
 def _least_acceleration(layout: Layout, scene: Scene, dofs: np.ndarray, elements: np.ndarray) -> float:

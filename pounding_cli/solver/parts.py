@@ -87,7 +87,7 @@ def _list_open_gaps(responses: Iterable[Response]) -> list[DroppedEffect]:
 def _no_peaks_of(scene: Scene) -> np.void:
     """Return the peaks of a scene before anything of it is known: NaN."""
     storeys = [building.storeys for building in scene.buildings]
-    lines = max(0 if building.plan is None else len(building.plan.all_lines) for building in scene.buildings)
+    lines = max(building.lines for building in scene.buildings)
     return no_peaks(storeys, len(scene.links), lines)
 
 

@@ -218,10 +218,9 @@ class SceneRun:
             "dropped": effects.dropped,
         }
         if status not in outcome.OUTCOMES:
-            final, final_turns = (
-                tuple((np.full(span.stop - span.start, nan), np.full(span.stop - span.start, nan)) for span in spans)
-                for spans in (layout.floors, layout.turns)
-            )
+            nowhere = np.full_like(dofs["u0"], nan)
+            final = _split_motion(nowhere, nowhere, layout.floors)
+            final_turns = _split_motion(nowhere, nowhere, layout.turns)
             no_energy = dict.fromkeys(energy, nan)
             peaks = no_peaks(storeys, len(scene.links), layout.most_lines)
             return Response(peaks, **facts, energy=no_energy, final=final, final_turns=final_turns)
@@ -236,11 +235,19 @@ class SceneRun:
             kind = "time steps cut in half, because Newton found no root where a contact force jumps"
             detail = f"{run['trials']} of {run['steps']} steps"
             flags += (Flag(kind, detail, float(run["trials"] / run["steps"])),)
-        final, final_turns = (
-            tuple((dofs["u0"][span].copy(), dofs["w"][span, 0].copy()) for span in spans)
-            for spans in (layout.floors, layout.turns)
-        )
+        final = _split_motion(dofs["u0"], dofs["w"][:, 0], layout.floors)
+        final_turns = _split_motion(dofs["u0"], dofs["w"][:, 0], layout.turns)
         return Response(peaks, **facts, energy=energy, flags=flags, final=final, final_turns=final_turns)
+
+
+def _split_motion(
+    displacements: np.ndarray, velocities: np.ndarray, spans: Sequence[slice]
+) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
+    """Return the displacements and velocities of some degrees of freedom of every building.
+
+    spans : these degrees of freedom, a slice a building
+    """
+    return tuple((displacements[span].copy(), velocities[span].copy()) for span in spans)
 
 
 def prepare_run(

@@ -97,8 +97,10 @@ def _check_resistance(built: FloorPlan, plan: PlanSpec) -> None:
     free = np.flatnonzero(about_centre <= NO_TORSIONAL_RESISTANCE * of_spread)
     if free.size:
         which = "line stands" if len(built.lines) == 1 else "lines stand"
-        message = f"nothing resists the twist of storey {free[0] + 1}: its {which} at one place along the street"
-        hint = "write a second line at another `y`, lines `across:`, or `torsional_stiffness:`, e.g. `5e9 N m`"
+        message = f"nothing resists the twist of storey {free[0] + 1}: "
+        message += f"its {which} at one place along the street"
+        hint = "write a second line at another `y`, lines `across:`, "
+        hint += "or `torsional_stiffness:`, e.g. `5e9 N m`"
         raise PlanError(("lines",), message, hint)
 
 
@@ -167,18 +169,21 @@ def _build_short_form(
     written = f"an eccentricity of {100 * plan.eccentricity:.4g} %"
     to_edge = 0.5 * plan.width - abs(centre + eccentricity)
     if to_edge <= 0.0:
-        message = f"{written} puts the centre of stiffness {centre + eccentricity:.4g} m from the middle of the plan, "
+        distance = f"{centre + eccentricity:.4g} m from the middle of the plan"
+        message = f"{written} puts the centre of stiffness {distance}, outside of its {plan.width:g} m"
         low, high = (100 * (side * 0.5 - centre / plan.width) for side in (-1.0, 1.0))
-        hint = f"write an eccentricity above {max(low, -50.0):.4g} % and below {min(high, 50.0):.4g} %"
-        raise PlanError(("eccentricity",), f"{message}outside of its {plan.width:g} m", hint)
+        bounds = f"above {max(low, -50.0):.4g} % and below {min(high, 50.0):.4g} %"
+        raise PlanError(("eccentricity",), message, f"write an eccentricity {bounds}")
     radii_at_one = _find_radii_at_ratio_one(mass, inertia, stiffness)
     whole_radii = plan.frequency_ratio * radii_at_one
     square_reach = float(whole_radii.min() ** 2) - eccentricity**2
     if square_reach <= 1e-9 * eccentricity**2:
         least = abs(eccentricity) / float(radii_at_one.min())
         most = 100 * float(whole_radii.min()) / plan.width
-        message = f"{written} at a frequency_ratio of {plan.frequency_ratio:g} leaves nothing that resists the twist"
-        hint = f"write a frequency_ratio above {_round_up(least):g}, or an eccentricity within {most:.3g} %"
+        message = f"{written} at a frequency_ratio of {plan.frequency_ratio:g} "
+        message += "leaves nothing that resists the twist"
+        hint = f"write a frequency_ratio above {_round_up(least):g}, "
+        hint += f"or an eccentricity within {most:.3g} %"
         raise PlanError(("frequency_ratio",), message, hint)
     reach = min(EVENLY_SPREAD * plan.width, to_edge, math.sqrt(square_reach))
     lines = tuple(

@@ -273,10 +273,12 @@ class LinkSpec(Model):
     def issues(self) -> Iterator[SpecIssue]:
         places = self.places or ()
         if self.shares is not None and self.places is None:
-            yield ("shares",), "'shares' has no effect without 'places'", "write `places:` too, or remove it", True
+            message = "'shares' has no effect without 'places'"
+            yield ("shares",), message, "write `places:` too, or remove it", True
         elif self.shares is not None and len(self.shares) != len(places):
-            what = f"'shares' has {pluralize(len(self.shares), 'value')} for {pluralize(len(places), 'place')}"
-            yield ("shares",), what, "write one share for each of `places`", True
+            counts = f"{pluralize(len(self.shares), 'value')} for {pluralize(len(places), 'place')}"
+            message = f"'shares' has {counts}"
+            yield ("shares",), message, "write one share for each of `places`", True
         elif self.shares is not None:
             message, hint = find_fault_in_shares(self.shares)
             if message:
@@ -337,7 +339,8 @@ class NoLinkSpec(LinkSpec):
         yield from super().issues()
         for name in ("places", "shares"):
             if getattr(self, name) is not None:
-                yield (name,), f"'{name}' does not apply to link: none", "remove it: it keeps the whole edge free", True
+                message = f"'{name}' does not apply to link: none"
+                yield (name,), message, "remove it: it keeps the whole edge free", True
 
 
 class OwnLinkSpec(LinkSpec):

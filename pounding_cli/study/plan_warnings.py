@@ -41,6 +41,7 @@ def warn_plan(spec: PlanSpec, building: Building, root: Any, path: KeyPath, doub
     plan = building.plan
     assert plan is not None
     _warn_eccentricity(spec, plan, root, path, doubts)
+    _warn_lines_across(plan, root, path, doubts)
     if spec.inertia is not None:
         _warn_inertia(spec, plan, building.mass, root, path, doubts)
     _warn_frequency_ratio(spec, building.name, plan.frequency_ratio(building.mass), root, path, doubts)
@@ -52,7 +53,8 @@ def _warn_eccentricity(spec: PlanSpec, plan: FloorPlan, root: Any, path: KeyPath
     if largest <= MAX_ECCENTRICITY:
         return
     at: KeyPath = (*path, "lines" if spec.lines is not None else "eccentricity")
-    message = f"the centre of stiffness stands {100 * largest:.3g} % of the width from the centre of mass: "
+    share = f"{100 * largest:.3g} % of the width"
+    message = f"the centre of stiffness stands {share} from the centre of mass: "
     message += "a core at one end with frames at the other gives a third"
     hint = f"check the places and the stiffness of the lines; otherwise leave it, {AS_MEANT}"
     doubts.add(root, at, at, message, hint, excess=largest)
@@ -66,14 +68,18 @@ def _warn_inertia(spec: PlanSpec, plan: FloorPlan, mass: np.ndarray, root: Any, 
     if not wrong.size:
         return
     storey = int(wrong[0])
-    at: KeyPath = (*path, "inertia", storey) if isinstance(spec.inertia, tuple) else (*path, "inertia")
+    at: KeyPath = (*path, "inertia")
+    if isinstance(spec.inertia, tuple):
+        at = (*at, storey)
     usual = float(mass[storey]) * spec.width**2 / np.array([9.0, 4.0])
-    message = f"floor {storey + 1} turns as if its mass stood {radius[storey] * spec.width:.3g} m from its centre"
+    distance = f"{radius[storey] * spec.width:.3g} m"
+    message = f"floor {storey + 1} turns as if its mass stood {distance} from its centre"
     message += f", on a plan {spec.width:g} m wide"
     units = units_of_size("kg m2")
-    hint = f"write an inertia near {' to '.join(format_value(float(each), units) for each in usual)}; "
-    hint += f"otherwise leave it, {AS_MEANT}"
-    doubts.add(root, at, (*path, "inertia"), message, hint, excess=abs(float(np.log10(radius[storey]))))
+    texts = " to ".join(format_value(float(each), units) for each in usual)
+    hint = f"write an inertia near {texts}; otherwise leave it, {AS_MEANT}"
+    excess = abs(float(np.log10(radius[storey])))
+    doubts.add(root, at, (*path, "inertia"), message, hint, excess=excess)
 
 
 def _warn_frequency_ratio(spec: PlanSpec, name: str, ratio: float, root: Any, path: KeyPath, doubts: Doubts) -> None:
@@ -86,38 +92,16 @@ def _warn_frequency_ratio(spec: PlanSpec, name: str, ratio: float, root: Any, pa
     at: KeyPath = (*path, key)
     message = f"{name} turns {ratio:.3g} times as fast as it moves along the row, each by itself: "
     message += "frames at the edges give 1 to 1.5, a core in the middle 0.7, walls at all edges 2"
-    hint = f"check the places of lines, the torsional stiffness and the inertia; otherwise leave it, {AS_MEANT}"
+    hint = "check the places of lines, the torsional stiffness and the inertia; "
+    hint += f"otherwise leave it, {AS_MEANT}"
     doubts.add(root, at, at, message, hint, excess=abs(float(np.log10(ratio))))
-
-
-def warn_missing_accidental(study: Study, notes: Problems) -> None:
-    """Note that codes, with whose displacements `gap:` compares, ask for an accidental eccentricity."""
-    if study.tree.get("gap") is None:
-        return
-    names = []
-    for name in dict.fromkeys(study.spec.group):
-        building = study.resolved.types[name].at(study.first_point)
-        has_displacements = bool(study.resolved.displacements(name).at(study.first_point))
-        if has_displacements and is_eccentric(building) and not _has_accidental(study, name):
-            names.append(name)
-    if names:
-        message = f"the displacements that codes expect of {join_limited(names)} leave out an accidental eccentricity"
-        hint = "they count the twist under forces through the centres of mass; "
-        hint += "codes move these by 5 % of the width to either side: write `accidental: +-5 %` in the plan"
-        notes.at(study.tree, ("gap",), message, hint, key=True)
-
-
-def _has_accidental(study: Study, name: str) -> bool:
-    """Return whether the centres of mass of a building move off at some point of the sweep."""
-    specs = (spec for _, spec in study.resolved.building_specs[name].iter_values())
-    return any(spec.plan is not None and spec.plan.accidental for spec in specs)
 
 
 def _warn_lines_across(plan: FloorPlan, root: Any, path: KeyPath, doubts: Doubts) -> None:
     """Note lines across the row that move floors along the street when these twist, which is left out."""
     if not plan.lines_across:
         return
-    places = np.array([line.place for line in plan.lines_across])
+    places = np.array([line.arm for line in plan.lines_across])
     stiffness = np.array([line.stiffness for line in plan.lines_across])  # shape (lines, storeys)
     at: KeyPath = (*path, "across")
     farthest = float(np.abs(places).max())
@@ -133,6 +117,31 @@ def _warn_lines_across(plan: FloorPlan, root: Any, path: KeyPath, doubts: Doubts
         message += "also move along the street, which is left out"
         hint = f"write all frames and walls across the row, on both sides; otherwise leave it, {AS_MEANT}"
         doubts.add(root, at, at, message, hint, excess=offset / farthest)
+
+
+def warn_missing_accidental(study: Study, notes: Problems) -> None:
+    """Note that codes, with whose displacements `gap:` compares, ask for an accidental eccentricity."""
+    if study.tree.get("gap") is None:
+        return
+    names = []
+    for name in dict.fromkeys(study.spec.group):
+        building = study.resolved.types[name].at(study.first_point)
+        has_displacements = bool(study.resolved.displacements(name).at(study.first_point))
+        if has_displacements and is_eccentric(building) and not _has_accidental(study, name):
+            names.append(name)
+    if names:
+        message = f"the displacements that codes expect of {join_limited(names)} "
+        message += "leave out an accidental eccentricity"
+        hint = "they count the twist under forces through the centres of mass; "
+        hint += "codes move these by 5 % of the width to either side: "
+        hint += "write `accidental: +-5 %` in the plan"
+        notes.at(study.tree, ("gap",), message, hint, key=True)
+
+
+def _has_accidental(study: Study, name: str) -> bool:
+    """Return whether the centres of mass of a building move off at some point of the sweep."""
+    specs = (spec for _, spec in study.resolved.building_specs[name].iter_values())
+    return any(spec.plan is not None and spec.plan.accidental for spec in specs)
 
 
 def warn_shift_without_effect(study: Study, notes: Problems) -> None:

@@ -129,7 +129,8 @@ def find_link_arms(
     if left is None and right is None:
         if link.places is not None:
             message = f"neither {names[0]} nor {names[1]} has a plan, so 'places' has no effect"
-            raise IssuesFound([Issue((*path, "places"), message, "remove it, or give one a `plan:`", at_key=True)])
+            hint = "remove it, or give one a `plan:`"
+            raise IssuesFound([Issue((*path, "places"), message, hint, at_key=True)])
         return WHOLE_AT_CENTRES
     if link.places is None:
         parts = _halve_at_shared_edge(path, names, left, right)
@@ -160,7 +161,9 @@ def _halve_at_shared_edge(
     if low >= high:
         hint = "let the plans overlap along the street (`shift:`), write where both ends stand, e.g. "
         hint += "`places: [[2 m, -3 m]]`, or leave the link out"
-        apart = f"their plans end {low - high:.4g} m apart" if low > high else "one ends where the other begins"
+        apart = "one ends where the other begins"
+        if low > high:
+            apart = f"their plans end {low - high:.4g} m apart"
         message = f"{names[0]} and {names[1]} share no edge: along the street {apart}"
         raise IssuesFound([Issue(path, message, hint)])
     return (PlaceOfLink(low, low), 0.5), (PlaceOfLink(high, high), 0.5)

@@ -86,10 +86,7 @@ class StreetPlace(NamedTuple):
 
 def find_street_places(study: Study) -> tuple[StreetPlace, ...]:
     """Return where the links of all cases stand between floors that twist, each place once."""
-    has_plans = any(
-        building.plan is not None for type_ in study.resolved.types.values() for _, building in type_.iter_values()
-    )
-    if not has_plans:
+    if not study.has_plans:
         return ()
     places: dict[StreetPlace, None] = {}
     for index in np.ndindex(*(len(axis) for axis in study.axes)):
@@ -143,12 +140,13 @@ def _list_arms(pair: tuple[Building, Building], street_places: Sequence[StreetPl
     inside = [place[1:] for place in street_places if _is_inside(place, sides)]
     ends = sorted({(low, low), (high, high), *inside}, key=lambda both: np.nanmean(both))
     arms: list[LinkArms] = []
+    slack = EDGE_TOLERANCE * (high - low)
     for both in ends:
         left_arm, right_arm = (
             0.0 if side is None else street - side.centre for street, side in zip(both, sides, strict=True)
         )
         added = LinkArms(left_arm, right_arm, 1.0)
-        if not any(np.allclose(added, other, rtol=0.0, atol=EDGE_TOLERANCE * (high - low)) for other in arms):
+        if not any(np.allclose(added, other, rtol=0.0, atol=slack) for other in arms):
             arms.append(added)
     return arms
 

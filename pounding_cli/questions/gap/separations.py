@@ -147,7 +147,17 @@ def _iter_points(plan: Plan, arrays: ResultArrays, edges: EdgeMovements) -> Iter
         peaks = displacements[number].copy()
         for values in (peaks, *by_code.values()):
             values[..., is_wall, :] = 0.0
-        yield PointState(index, number, buildings, by_code, peaks, closings[number], errors[number], edges, code_edges)
+        yield PointState(
+            index=index,
+            number=number,
+            buildings=buildings,
+            code_displacements=by_code,
+            displacements=peaks,
+            closings=closings[number],
+            error=errors[number],
+            edges=edges,
+            code_edges=code_edges,
+        )
 
 
 def _require_separation(
@@ -201,8 +211,8 @@ def _require_separation(
 
 def has_ends(plan: Plan) -> bool:
     """Return whether floors twist somewhere, so that what they require depends on the place along the street."""
-    types = plan.study.resolved.types
-    return any(is_eccentric(each) for name in plan.study.spec.group for _, each in types[name].iter_values())
+    types = [plan.study.resolved.types[name] for name in plan.study.spec.group]
+    return any(is_eccentric(building) for each in types for _, building in each.iter_values())
 
 
 def find_street_columns(plan: Plan, index: Point, place: int) -> Place:
@@ -227,7 +237,8 @@ def find_street_columns(plan: Plan, index: Point, place: int) -> Place:
     for name, end in ((LOW_END, low), (HIGH_END, high)):
         if all(abs(street - end) <= EDGE_TOLERANCE * (high - low) for street in streets):
             return {"end": name, "street": end}
-    return {"end": " | ".join(dict.fromkeys(f"{street:.4g} m" for street in streets)), "street": streets[0]}
+    texts = dict.fromkeys(f"{street:.4g} m" for street in streets)
+    return {"end": " | ".join(texts), "street": streets[0]}
 
 
 def _interpolate(displacements: np.ndarray, building: int, floor: int, at: float) -> np.ndarray:
@@ -303,7 +314,8 @@ def _iter_distances(
                     }
                     for side, moved in moved_by_side.items():
                         error = relative_errors[point] * np.fmax(peaks[point, :, :, number], moved)
-                        where = {"point": point, "building": name, "side": side, "floor": floor, "height": height}
+                        where: Place = {"point": point, "building": name, "side": side}
+                        where |= {"floor": floor, "height": height}
                         yield where | ends, {EXACT: (moved, error), **of_codes}
 
 

@@ -90,7 +90,11 @@ def list_twist_tables(shown: Evidence) -> list[Table]:
     twisting = [name for name in shown.buildings_without_walls if does_twist(shown, name)]
     if not twisting:
         return []
-    tables = [_build_line_table(shown, twisting), _build_edge_table(shown, twisting), _build_place_table(shown)]
+    tables = [
+        _build_line_table(shown, twisting),
+        _build_edge_table(shown, twisting),
+        _build_place_table(shown),
+    ]
     return [table for table in tables if len(table.frame)]
 
 
@@ -136,12 +140,20 @@ def _iter_lines(shown: Evidence, case: str, analysis: str, building: str) -> Ite
         for name in ("mu", "mu0", "mu_ratio"):
             means[name] = np.full_like(means[name], np.nan)
     with np.errstate(invalid="ignore"):
-        means["drift_ratio0"] = means["drift_ratio"] * means["drift0"] / np.where(means["drift"] > 0, means["drift"], 1)
+        drift = np.where(means["drift"] > 0, means["drift"], 1)
+        means["drift_ratio0"] = means["drift_ratio"] * means["drift0"] / drift
     along = shown.values("line_street", building=building)
     across = shown.values("line_x", building=building)
     for number in np.flatnonzero(np.isfinite(along) | np.isfinite(across)).tolist():
-        row: dict[str, Any] = {"case": shown.mark_case(case), "analysis": analysis, "building": building}
-        row |= {"line": number + 1, "street": along[number], "x": across[number], "motions": int(is_known.sum())}
+        row: dict[str, Any] = {
+            "case": shown.mark_case(case),
+            "analysis": analysis,
+            "building": building,
+            "line": number + 1,
+            "street": along[number],
+            "x": across[number],
+            "motions": int(is_known.sum()),
+        }
         for name in ("V", "V_ratio", "mu", "mu_ratio", "drift_ratio"):
             by_storey = means[name][:, number]
             known = np.isfinite(by_storey).any()
@@ -261,10 +273,12 @@ def _build_place_table(shown: Evidence) -> Table:
         ),
     ]  # fmt: skip
     many = len(shown.names("record")) > 1
-    over = "force and closing the largest of all floors"
-    over = f"contacts the mean of the motions, {over} and motions" if many else f"contacts of all floors, {over}"
+    over = "contacts of all floors, force and closing the largest of all floors"
+    if many:
+        over = "contacts the mean of the motions, force and closing the largest of all floors and motions"
     point = f", at {shown.label}" if shown.label else ""
-    return Table("", pd.DataFrame(_list_places(shown)), columns, f"Contact by place along the street: {over}{point}")
+    frame = pd.DataFrame(_list_places(shown))
+    return Table("", frame, columns, f"Contact by place along the street: {over}{point}")
 
 
 def _list_places(shown: Evidence) -> list[dict[str, Any]]:
@@ -275,9 +289,10 @@ def _list_places(shown: Evidence) -> list[dict[str, Any]]:
     link = link.assign(street=link["street"].round(6))
     pair_keys = ["case", "analysis", "left", "right"]
     rows = []
-    for place, here in link.groupby([*pair_keys, "street"], sort=False, dropna=False):  # a base has no place
+    keys = [*pair_keys, "street"]
+    for place, here in link.groupby(keys, sort=False, dropna=False):  # a base does not turn: NaN
         if np.isfinite(here["peak_force"]).any():
-            values = zip([*pair_keys, "street"], place, strict=True)
+            values = zip(keys, place, strict=True)
             rows.append(dict(values) | _summarize_place(shown, here))
     pairs = [tuple(row[key] for key in pair_keys) for row in rows]
     return [row for row, pair in zip(rows, pairs, strict=True) if pairs.count(pair) > 1]
@@ -317,6 +332,9 @@ def _over_motions(shown: Evidence, frame: pd.DataFrame) -> str:
     """
     motions = len(shown.names("record"))
     is_complete = len(frame) == 0 or frame["motions"].min() == motions
-    mean = f"mean of {motions} motions" if is_complete else f"mean of those of {motions} motions that have numbers"
-    mean = f", {mean}" if motions > 1 else ""
+    mean = f", mean of {motions} motions"
+    if not is_complete:
+        mean = f", mean of those of {motions} motions that have numbers"
+    if motions == 1:
+        mean = ""
     return f"{mean}{f', at {shown.label}' if shown.label else ''}"
