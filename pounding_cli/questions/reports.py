@@ -43,7 +43,8 @@ def build_report(
         options = {"choice": choice}
     shown = find_nominal(results.first_sample() if question.is_sampled else results)
     sample_keys = results.swept[-1] if question.is_sampled else ()
-    notes = [*question.notes(results), *implausible_results(results, sample_keys)]
+    of_file = "" if question.scope is None else "In the time histories of the file: "
+    notes = [*question.notes(results), *(f"{of_file}{note}" for note in implausible_results(results, sample_keys))]
     answer = Section("", question.sentences(results), question.shown_tables(results), notes=notes)
 
     def more() -> list[Section]:

@@ -125,7 +125,7 @@ def list_notes(results: ResultTables) -> list[str]:
         f"enough at the acceleration with a return period of {RETURN_PERIOD:g} years.",
         "The buildings move alone until they touch, on firm ground, as shear buildings of their HAZUS type without "
         "twist. A screen says where to look: `pound screen TABLE --pair NAME` prints the study of a pair, for "
-        "`pound gap` and `pound run`.",
+        "`pound gap` and `pound run`. The file holds the time histories of the worst pair.",
     ]
     if (frame["gap"] < MIN_SCREENED_GAP).any():
         notes.append("Neighbours that touch strike in every earthquake: their rate is that of a closing of 1 mm.")
