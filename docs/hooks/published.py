@@ -18,6 +18,7 @@ from math import cos, pi, sin, sqrt
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 import pandas as pd
 import yaml
