@@ -26,8 +26,10 @@ STEPS = (
     ("run", "my-study.yaml"),
     ("show", "results/my-study.h5"),
     ("report", "results/my-study.h5"),
+    ("init", "published", "--like", "impact-oscillator"),
+    ("check", "published.yaml"),
 )
-"""The first steps of the tutorial."""
+"""The first steps of the tutorial, and a study like one that the wheel brings with it."""
 
 WORKERS = """
 import multiprocessing

@@ -360,7 +360,8 @@ HEAD = """\
 
 Every study here is a file of `docs/gallery/` in the repository. The site's build ran it with the command shown, in the
 time shown (start of the program and writing included), and drew its figure. Open a command to see the study. The
-motions are the stand-ins that come with the program."""
+motions are the stand-ins that come with the program. `pound init mine --like NAME` writes any of them to start from,
+e.g. `--like first-pair`, and also those of [published results](../published.md)."""
 
 
 def section(name: str, solved: Solved) -> tuple[str, bytes]:

@@ -26,10 +26,13 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("name")
 @click.option(
-    "-t", "--template", type=click.Choice(("pair", "measures", "connector", "wall")), default="pair",
-    show_default=True, help="Study to start from.",
+    "-t", "--template", type=click.Choice(("pair", "measures", "connector", "wall")),
+    help="Study to start from.  [default: pair]",
 )  # fmt: skip
-def init(name: str, template: str) -> None:  # fmt: skip
+@click.option(
+    "--like", metavar="NAME", help="Study of published results or of the gallery instead, e.g. impact-oscillator.",
+)  # fmt: skip
+def init(name: str, template: str | None, like: str | None) -> None:  # fmt: skip
     """Write NAME.yaml, a commented study that is ready to run, and pound.schema.json, with which editors complete keys.
 
     \b
@@ -39,15 +42,27 @@ def init(name: str, template: str) -> None:  # fmt: skip
       connector  two connected oscillators in closed form
       wall       a floor striking a bumper wall
 
+    With --like it writes a study of the pages "Compared with published results" and "Gallery", with the motions that
+    these have; another name than theirs is refused with a list of them.
+
     \b
     Example:
       pound init walls/front --template wall
+      pound init mine --like impact-oscillator
     """
-    from pounding_cli.questions import schema_text
+    from pounding_cli.questions import TITLES, schema_text
+    from pounding_cli.study.file import kind_of_file, read_study
     from pounding_cli.study.template import TEMPLATES, start_study
 
-    written = start_study(name, schema_text(), template)
-    study, how = written[0], TEMPLATES[template]
+    if template and like:
+        problem = Problem("--template and --like name two studies to start from", "write one of the two")
+        raise InputError(problem)
+    written = start_study(name, schema_text(), template or "pair", like)
+    study = written[0]
+    if like is None:
+        how = TEMPLATES[template or "pair"]
+    else:
+        how = next((each for each in TITLES if each in read_study(study)[1]), kind_of_file(study))
     results = Path("results") / f"{study.stem}.h5"
     steps = {
         f"pound check {study}": "checks it; repeat after every change",

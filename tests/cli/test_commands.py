@@ -321,6 +321,46 @@ def test_templates_are_sound_and_carry_the_name(folder, pound, template):
     assert out.startswith(f"OK: {path}")
 
 
+@pytest.mark.parametrize(
+    ("like", "command", "written"),
+    [
+        ("impact-oscillator", "run", {"mine.yaml", "harmonic.txt", "pound.schema.json"}),
+        ("required-gap", "gap", {"mine.yaml", "pound.schema.json"}),
+        ("paper-wall", "wall", {"mine.yaml"}),
+    ],
+)
+def test_init_writes_a_study_like_one_that_comes_with_the_program(folder, pound, like, command, written):
+    code, out, _ = pound("init", "new/mine", "--like", like)
+    assert code == 0
+    assert {path.name for path in Path("new").iterdir()} == written
+    assert f"pound {command} new/mine.yaml" in out
+    code, out, err = pound("check", "new/mine.yaml")
+    assert (code, "error" in err) == (0, False)
+    assert out.startswith("OK: new/mine.yaml")
+
+
+def test_init_names_the_studies_that_there_are(folder, pound):
+    code, out, err = pound("init", "mine", "--like", "impact-oscilator")
+    assert (code, out) == (2, "")
+    assert "did you mean 'impact-oscillator'? known: chopra-frame" in err
+    assert not Path("mine.yaml").exists()
+
+
+def test_init_takes_a_template_or_a_study_but_not_both(folder, pound):
+    code, out, err = pound("init", "mine", "--template", "wall", "--like", "paper-wall")
+    assert (code, out) == (2, "")
+    assert "--template" in err
+    assert not Path("mine.yaml").exists()
+
+
+def test_init_leaves_a_motion_of_the_users_alone(folder, pound):
+    Path("harmonic.txt").write_text("1\n2\n")
+    code, out, _ = pound("init", "mine", "--like", "impact-oscillator")
+    assert (code, out) == (2, "")
+    assert Path("harmonic.txt").read_text() == "1\n2\n"
+    assert not Path("mine.yaml").exists()
+
+
 def test_init_takes_any_name_and_overwrites_nothing(folder, pound):
     for name in ("null", "3", "ναός", 'a "quoted" one'):
         assert pound("init", name)[0] == 0
