@@ -18,6 +18,7 @@ from click.testing import CliRunner
 import pounding_cli
 from pounding_cli.cli.main import cli
 from pounding_cli.questions.accuracy.words import find_cheapest
+from tests.night import NIGHTLY
 
 from .conftest import TWO
 
@@ -427,9 +428,8 @@ def test_of_settings_that_are_equally_fast_the_most_accurate_is_named(lines, nam
     assert best["method"].is_unique
 
 
+@NIGHTLY  # it compiles and runs methods of fixed steps
 def test_accuracy_measures_methods(folder, pound):
-    if "POUND_NIGHTLY" not in os.environ:
-        pytest.skip("make reference runs it every night")  # it compiles and runs methods of fixed steps
     (folder / "two.yaml").write_text(TWO.replace(", taft", "").replace("3 s}", "1 s}").replace(", inelastic", ""))
     words = ("accuracy", "two.yaml", "--methods", "taylor,central-difference", "--cases", "touching", "--budget", "1s")
     code, out, _ = pound(*words)

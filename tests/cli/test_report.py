@@ -17,6 +17,7 @@ from matplotlib.path import Path as MplPath
 import pounding_cli
 from pounding_cli.questions.reports import build_report as report
 from pounding_cli.report.sweep import SweepChoice as Asked
+from tests.night import NIGHTLY
 
 from .conftest import TWO
 
@@ -122,6 +123,10 @@ def test_a_sweep_is_drawn_as_asked(made, folder, pound):
     assert pound("report", made / "swept.h5", "-q", "--no-figures", "-o", "page")[0] == 0
     where = set(pd.read_csv("page/tables/claims.csv")["where"])
     assert where == {"impact.restitution = 0.4", "impact.restitution = 0.5", "impact.restitution = 0.65"}
+
+
+@NIGHTLY
+def test_sweeps_of_several_files_are_drawn_as_asked(made, folder, pound):
     both = ["report", made / "two.h5", made / "swept.h5", "-q", "--format", "svg", "-o", "both"]
     assert pound(*both, "--case", "touching", "--where", "storey=2")[0] == 0
     assert [*Path("both/swept").glob("*-sweep.svg")]

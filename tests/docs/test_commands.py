@@ -7,7 +7,23 @@ import os
 import pytest
 from pages import PAGES, ROOT, blocks, environment, loose_commands, run_block, stand_in
 
-HOW_TO = ("change", "columns", "fragility", "optimise", "other-programs", "rate", "retrofit", "sensitivity", "sweep")
+HOW_TO = (
+    "change",
+    "columns",
+    "compare",
+    "fragility",
+    "isolation",
+    "optimise",
+    "other-programs",
+    "rate",
+    "retrofit",
+    "screen",
+    "seen-neighbour",
+    "sensitivity",
+    "sweep",
+)
+"""How-to pages that take long."""
+
 LONG = {"docs/reproduction.md", *(f"docs/how-to/{name}.md" for name in HOW_TO)}
 ELSEWHERE = {"docs/architecture.md", "docs/extending.md"}
 """Pages whose Python has a test of its own, or is a sketch of types."""

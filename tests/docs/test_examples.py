@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.night import NIGHTLY
+
 FOLDER = Path(__file__).parents[2] / "docs" / "examples"
 
 
@@ -88,6 +90,7 @@ def test_gap_sweep(example, capsys):
     assert "asks for 6.9 cm; from 4 cm on, inelastic, nothing touches" in said
 
 
+@NIGHTLY
 def test_first_study(notebook):
     """Tables and figures are shown; a gap that is too narrow makes it worse than none."""
     (shears, blows, errors, worst), shown = notebook(

@@ -7,6 +7,7 @@ import pytest
 import pounding_cli as pound
 from tests.matrix import work
 from tests.matrix.machines import Machines
+from tests.night import NIGHTLY
 
 pytestmark = pytest.mark.xdist_group("matrix")
 
@@ -42,6 +43,7 @@ def test_an_address_without_a_scheduler(refused, address, word):
     assert problem.hint
 
 
+@NIGHTLY
 def test_workers_that_are_all_killed(refused, tmp_path):
     """Fails if the scenes they were at are waited for, or those that were back are lost."""
     machines = Machines(tmp_path)
