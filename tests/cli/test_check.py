@@ -20,6 +20,7 @@ from pounding_cli.batch.cache import Cache
 from pounding_cli.cli.main import cli
 from pounding_cli.solver import kernels
 from pounding_cli.study import make_plan
+from tests.night import NIGHTLY
 
 from .conftest import TWO
 
@@ -381,6 +382,7 @@ optimise: {least: largest V_ratio, over: {cases.near.gap: {from: 1 mm, to: 9 mm}
 """
 
 
+@NIGHTLY
 def test_the_questions_of_a_study(folder):
     """By hand: 20 levels x 2 motions x 3 (the pair, each alone) for `gap`, at most all of these for `fragility`. Fails
     if a question is not told, or with scenes that its command does not solve."""

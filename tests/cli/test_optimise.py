@@ -18,6 +18,7 @@ from pounding_cli.results.results import ResultTables
 from pounding_cli.study import load_study_file
 from pounding_cli.study.file import parse
 from pounding_cli.tables import Table
+from tests.night import NIGHTLY
 
 STUDY = """\
 title: Two small buildings
@@ -70,6 +71,7 @@ def test_prints_the_optimum_and_reports_it(pound, tmp_path):
     assert "Storn" in pound("cite", "results/two-optimise.h5")[1]
 
 
+@NIGHTLY
 def test_the_study_as_written_stands_beside(pound, tmp_path):
     text = STUDY.replace("analyses:", "impact: {restitution: 0.65}\nanalyses:")
     (tmp_path / "two.yaml").write_text(text)
@@ -288,6 +290,7 @@ def test_keys_that_the_file_lacks_are_added_where_they_belong(pound, key, first,
     assert told["optimum"] <= told["as_written"] or "restitution" in key or key.endswith("mass")
 
 
+@NIGHTLY
 def test_as_written_stands_outside_the_ranges(pound):
     """A key whose default is another key's value, and one outside its range. Fails if as written means nearest."""
     over = "cases.other.restitution: {from: 0.3, to: 0.4}\n    buildings.B.period: {from: 0.2 s, to: 0.3 s}"

@@ -73,6 +73,7 @@ def test_page_figures_and_tables(made, folder, pound):
     assert f"{elastic.groupby('storey')['V_ratio'].mean().max():.2f}" in words(Path("two/report.html"))
 
 
+@NIGHTLY
 def test_the_same_report_again_is_the_same_to_the_byte(made, folder, pound):
     for name in ("one", "again"):
         pound("report", made / "two.h5", "-o", name, "-q", "--format", "svg")
@@ -80,6 +81,7 @@ def test_the_same_report_again_is_the_same_to_the_byte(made, folder, pound):
         assert path.read_bytes() == (Path("again") / path.relative_to("one")).read_bytes(), path.name
 
 
+@NIGHTLY
 def test_several_files_are_compared_on_one_page(made, folder, pound):
     code, out, _ = pound("report", made / "two.h5", made / "swept.h5", "-o", "both", "--no-figures")
     assert code == 0
@@ -272,6 +274,7 @@ def test_what_cannot_be_drawn_is_refused(made, folder, pound, arguments, message
         assert not Path("out").exists()
 
 
+@NIGHTLY
 def test_a_target_spectrum_is_drawn(folder, pound):
     target = ", scale: {spectrum: mean, target: {0.1 s: 0.8 g, 2 s: 0.2 g}, from: 0.2 s, to: 1 s, at_least: 0.9}}"
     Path("two.yaml").write_text(TWO.replace("3 s}", f"3 s{target}"))

@@ -6,6 +6,7 @@ import pytest
 import yaml
 
 import pounding_cli
+from tests.night import NIGHTLY
 
 from .conftest import TWO
 
@@ -37,6 +38,7 @@ def test_figures_for_a_paper_are_vectors_without_title_and_caption(solved, folde
     assert "cases.gap.gap" not in curves
 
 
+@NIGHTLY
 def test_figures_have_their_title_and_caption_otherwise(solved, folder):
     solved("-o", "usual", "--format", "svg")
     text = (folder / "usual" / "soft-sweep.svg").read_text()

@@ -11,6 +11,8 @@ import sys
 import pytest
 from pages import ROOT, blocks
 
+from tests.night import NIGHTLY
+
 PAGE = ROOT / "docs" / "extending.md"
 
 PROGRAM = """
@@ -46,6 +48,7 @@ def _pound(folder, *arguments):
     return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
 
 
+@NIGHTLY
 def test_a_file_and_a_line_make_a_question(folder):
     """Fails where command, results file, table, report or the exit code need anything else."""
     assert "drift" in _pound(folder, "--help").stdout

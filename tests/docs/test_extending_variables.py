@@ -10,6 +10,8 @@ import sys
 import pytest
 from pages import ROOT, blocks
 
+from tests.night import NIGHTLY
+
 PAGE = ROOT / "docs" / "extending.md"
 
 STUDY = """
@@ -66,6 +68,7 @@ def folder(tmp_path):
     return tmp_path
 
 
+@NIGHTLY
 def test_one_entry_makes_a_variable_of_the_file_and_all_that_reads_it(folder):
     """Fails where the writer, a table, units, expressions, figures or the page keep a list of their own."""
     environment = os.environ | {"PYTHONPATH": str(ROOT)}
