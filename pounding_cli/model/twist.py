@@ -59,7 +59,7 @@ def find_twisting(buildings: tuple[Building, ...], links: tuple[Link, ...]) -> t
     twists = [False] * len(buildings)
     for part in find_parts(buildings, links):
         members = range(part.first, part.end)
-        has_eccentric = any(is_eccentric(buildings[place]) for place in members)
+        has_eccentric = any(needs_plan(buildings[place]) for place in members)
         own_links = [links[number] for number in part.link_numbers]
         if has_eccentric or find_eccentric_link(buildings, own_links) is not None:
             for place in members:
@@ -83,7 +83,7 @@ def find_twist_reasons(buildings: Sequence[Building], links: Sequence[Link]) -> 
 def describe_eccentricity(building: Building) -> str:
     """Return why a building that stands alone needs its plan, in words; "" where it does not."""
     plan = building.plan
-    if plan is None or not is_eccentric(building):
+    if plan is None or not needs_plan(building):
         return ""
     width = plan.high - plan.low
     largest = float(np.abs(plan.eccentricity).max())
@@ -125,7 +125,7 @@ def _describe_links_that_turn(buildings: Sequence[Building], links: Sequence[Lin
     return f"{they} {' and '.join(turning)} may turn it at both ends of the edge that they share"
 
 
-def is_eccentric(building: Building) -> bool:
+def needs_plan(building: Building) -> bool:
     """Return whether a building that stands alone needs its plan: its floors twist, or its lines yield one by one."""
     plan = building.plan
     return plan is not None and (plan.twists_always or plan.is_eccentric or not plan.yields_as_one)

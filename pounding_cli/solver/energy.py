@@ -55,6 +55,7 @@ def _work_on_storeys(dofs, elements, r):
     """Energy that the ground puts in, and what dashpots of storeys and mass-proportional damping take [J]."""
     duration, g1 = r.h * r.end, r.g1 * r.end
     drag = dashpots = pushed = 0.0
+    has_lines = r.lines > 0
     for i in range(r.n):
         el, d = elements[i], dofs[i]
         below, foot = dofs[el.right].inside, dofs[d.foot].inside
@@ -65,7 +66,7 @@ def _work_on_storeys(dofs, elements, r):
             push += WEIGHTS[g] * (r.g0 + g1 * PLACES[g]) * v
             square += WEIGHTS[g] * v * v
             rates += WEIGHTS[g] * rate * rate
-        if r.lines > 0 and el.twists and el.mate > i:
+        if has_lines and el.twists and el.mate > i:
             dashpots += 2.0 * el.coupled_c * _common_rates(dofs, elements, i)
         pushed += d.mass * d.loaded * push
         drag += d.mass * d.drag * square

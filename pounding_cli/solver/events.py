@@ -72,9 +72,10 @@ def summarise(dofs, elements, terms, r):
         d.du, d.dv = 0.125 * h * (abs(d.w[1]) + bend), 0.125 * bend  # k < k (k - 1) from the third order on
         d.da = 0.125 * twist / h
     ends_of_elements(dofs, elements, terms, r)
+    first_line, end_of_lines = r.n + r.drags, r.n + r.drags + r.lines
     for e in range(r.m):
         el = elements[e]
-        if r.lines > 0 and e >= r.n and el.drifts:
+        if first_line <= e < end_of_lines:
             storey, mate, lever = elements[el.storey], elements[el.mate], abs(el.lever)
             el.dv, el.dr = el.along * storey.dv + lever * mate.dv, el.along * storey.dr + lever * mate.dr
             continue
@@ -120,9 +121,10 @@ def _largest_of_terms(dofs, terms, el):
 @njit(**PART)
 def ends_of_elements(dofs, elements, terms, r):
     """Deformation and rate of every element at the step's end, exactly zero where floors differ by rounding."""
+    first_line, end_of_lines, has_lines = r.n + r.drags, r.n + r.drags + r.lines, r.lines > 0
     for e in range(r.m):
         el = elements[e]
-        if r.lines > 0 and e >= r.n and el.drifts:
+        if first_line <= e < end_of_lines:
             _end_of_line(elements, el)
             continue
         left, right = dofs[el.left], dofs[el.right]
@@ -139,7 +141,7 @@ def ends_of_elements(dofs, elements, terms, r):
             of_v = max(of_v, max(left.u_max, -left.u_min) + reach)
             of_rate = max(of_rate, left.fastest + fastest)
         el.v1, el.r1 = zero_if_rounding(v, of_v, LAST_DIGITS), zero_if_rounding(rate, of_rate, LAST_DIGITS)
-        if r.lines > 0 and el.twists:
+        if has_lines and el.twists:
             el.size_v, el.size_r = of_v, of_rate
 
 

@@ -94,10 +94,11 @@ def start(dofs, elements, terms, r, series):
             s.cubic_root[0] = math.sqrt(el.k + 3.0 * el.cubic * s.square[0])
         if el.acts:
             push(dofs, terms, el, f)
+    has_lines = r.lines > 0
     for i in range(r.n):
         el = elements[i]
         f = line_force(el, el.v0, el.r0)
-        if r.lines > 0 and el.twists:
+        if has_lines and el.twists:
             f += coupled_force(elements, el)
         push_by_storey(dofs, el, i, f, r.has_lean)
     for i in range(r.n):

@@ -8,7 +8,7 @@ import numpy as np
 
 from pounding_cli.model.building import Building
 from pounding_cli.model.plan import FloorPlan
-from pounding_cli.model.twist import is_eccentric
+from pounding_cli.model.twist import needs_plan
 from pounding_cli.numbers import join_limited
 from pounding_cli.study.doubts import AS_MEANT, Doubts, format_value, units_of_size
 from pounding_cli.study.file import Problems, get
@@ -127,7 +127,7 @@ def warn_missing_accidental(study: Study, notes: Problems) -> None:
     for name in dict.fromkeys(study.spec.group):
         building = study.resolved.types[name].at(study.first_point)
         has_displacements = bool(study.resolved.displacements(name).at(study.first_point))
-        if has_displacements and is_eccentric(building) and not _has_accidental(study, name):
+        if has_displacements and needs_plan(building) and not _has_accidental(study, name):
             names.append(name)
     if names:
         message = f"the displacements that codes expect of {join_limited(names)} "

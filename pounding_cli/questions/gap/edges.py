@@ -16,7 +16,7 @@ import numpy as np
 from pounding_cli.laws.apart import Apart
 from pounding_cli.model.links import Link
 from pounding_cli.model.meetings import find_meetings
-from pounding_cli.model.twist import is_eccentric
+from pounding_cli.model.twist import needs_plan
 from pounding_cli.model.wall import Wall
 from pounding_cli.results.arrays import ResultArrays
 from pounding_cli.study import Plan, Study, make_plan
@@ -89,7 +89,7 @@ def build_edge_plans(study: Study, links: Swept[tuple[Link, ...]]) -> list[EdgeP
     plans = []
     for name in dict.fromkeys(study.spec.group):
         places = tuple(place for place, other in enumerate(study.spec.group) if other == name)
-        if any(is_eccentric(building) for _, building in study.resolved.types[name].iter_values()):
+        if any(needs_plan(building) for _, building in study.resolved.types[name].iter_values()):
             between_walls = _put_between_walls(study, name)
             link = partial(_link_to_walls, places=places)
             of_walls = {Apart.name: sweep_map(link, between_walls.resolved.group, links)}
@@ -161,7 +161,7 @@ class EdgeMovements:
 
     def _read(self, index: Point, place: int, arm: float) -> Movements | None:
         building = self.study.building(index, place)
-        if isinstance(building, Wall) or not is_eccentric(building):
+        if isinstance(building, Wall) or not needs_plan(building):
             return None
         for plan, arrays in self._solved:
             if place in plan.places:

@@ -22,7 +22,7 @@ from pounding_cli.model.separation import (
     first_mode_damping,
     root_of_squares,
 )
-from pounding_cli.model.twist import is_eccentric, turns_at
+from pounding_cli.model.twist import needs_plan, turns_at
 from pounding_cli.model.wall import Wall
 from pounding_cli.questions.gap.edges import EdgeMovements
 from pounding_cli.questions.gap.spec import GapSpec
@@ -212,7 +212,7 @@ def _require_separation(
 def has_ends(plan: Plan) -> bool:
     """Return whether floors twist somewhere, so that what they require depends on the place along the street."""
     types = [plan.study.resolved.types[name] for name in plan.study.spec.group]
-    return any(is_eccentric(building) for each in types for _, building in each.iter_values())
+    return any(needs_plan(building) for each in types for _, building in each.iter_values())
 
 
 def find_street_columns(plan: Plan, index: Point, place: int) -> Place:
@@ -224,7 +224,7 @@ def find_street_columns(plan: Plan, index: Point, place: int) -> Place:
     left = links.places[place].left
     floors = (links.places[place].left_floor, links.places[place].right_floor)
     pair = [plan.study.building(index, number) for number in (left, left + 1)]
-    if not any(is_eccentric(building) and turns_at(floor) for building, floor in zip(pair, floors, strict=True)):
+    if not any(needs_plan(building) and turns_at(floor) for building, floor in zip(pair, floors, strict=True)):
         return {"end": "", "street": np.nan}
     sides = [StreetSide.of(building) for building in pair]
     at = (*index, 0, place)
@@ -363,7 +363,7 @@ def _find_code_edges(plan: Plan) -> CodeEdges:
     @functools.cache
     def find(index: Point, place: int, arm: float) -> dict[str, np.ndarray] | None:
         building = plan.study.building(index, place)
-        if isinstance(building, Wall) or not is_eccentric(building):
+        if isinstance(building, Wall) or not needs_plan(building):
             return None
         return find_code_displacements(specs[plan.study.spec.group[place]].at(index), building, arm)
 

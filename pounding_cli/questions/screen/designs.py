@@ -2,7 +2,8 @@
 
 Source: FEMA (2012). Hazus-MH 2.1, Earthquake Model, Technical Manual, Table 5.20: guidelines for the selection of
 damage functions for typical buildings, by zone of the Uniform Building Code of 1994 and by age. They are of buildings
-of the United States; elsewhere a design level is given in the place of a year."""
+of the United States; elsewhere a design level is given in the place of a year. The table was entered without a copy of
+the manual at hand to compare it with (docs/how-to/screen.md says so too)."""
 
 from __future__ import annotations
 
