@@ -5,9 +5,10 @@ from __future__ import annotations
 import os
 import re
 import sys
-from math import pi
+from math import exp, pi, sqrt
 from pathlib import Path
 
+import numpy as np
 import pytest
 from pages import hook
 
@@ -17,7 +18,9 @@ from pounding_cli.errors import InputError
 PUBLISHED = hook("published")
 IMPACT_OSCILLATOR = sys.modules["impact_oscillator"]
 STUDIES = sys.modules["comparison"].STUDIES
-SOON = ("eccentric-blow",)
+SLIDING_BLOCK = sys.modules["sliding_block"]
+SUPERPOSITION = sys.modules["superposition"]
+SOON = ("eccentric-blow", "sliding-block")
 """Studies that every run of the tests looks at; `make reference` and `make docs` run the others too."""
 
 NUMBER = re.compile(r"[-+−]?\d+(?:\.\d+)?")
@@ -48,6 +51,25 @@ def test_its_table_is_that_of_the_page(name):
 )
 def test_speeds_on_a_rigid_wall(oscillator, speed):
     assert IMPACT_OSCILLATOR.find_rigid_speed(*oscillator) / (2 * pi) == pytest.approx(speed, abs=6e-7)
+
+
+def test_the_travel_of_the_block_is_that_of_its_source():
+    """Within the rounding of a calculation by hand."""
+    compression, way_back = SLIDING_BLOCK.find_travel()
+    assert compression == pytest.approx(0.688, abs=5e-4)
+    assert way_back == pytest.approx(1.73, abs=1e-2)
+
+
+def test_superposed_modes_under_a_steady_acceleration():
+    """Two oscillators side by side, each of which overshoots its static displacement once by exp(-pi z / sqrt(1 - z^2))."""
+    damping = 0.05
+    mass, stiffness = np.array([4.0, 1.0]), np.array([36.0, 100.0])
+    displacements = SUPERPOSITION.superpose_modes(
+        np.diag(stiffness), np.diag(mass), np.ones(2), damping, samples=np.full(200, 0.5)
+    )
+    overshoot = exp(-pi * damping / sqrt(1 - damping**2))
+    expected = 0.5 * mass / stiffness * (1 + overshoot)
+    assert np.abs(displacements).max(axis=0) == pytest.approx(expected, rel=1e-5)
 
 
 def test_there_are_rows_with_numbers_on_both_sides():
