@@ -61,7 +61,7 @@ def test_the_travel_of_the_block_is_that_of_its_source():
 
 
 def test_superposed_modes_under_a_steady_acceleration():
-    """Two oscillators side by side, each of which overshoots its static displacement once by exp(-pi z / sqrt(1 - z^2))."""
+    """Two oscillators side by side; each overshoots its static displacement by exp(-pi zeta / sqrt(1 - zeta^2))."""
     damping = 0.05
     mass, stiffness = np.array([4.0, 1.0]), np.array([36.0, 100.0])
     displacements = SUPERPOSITION.superpose_modes(
