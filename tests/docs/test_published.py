@@ -39,7 +39,7 @@ def test_its_table_is_that_of_the_page(name):
     """Fails if a number of the page is another one than the study gives."""
     if name not in SOON and "POUND_NIGHTLY" not in os.environ:
         pytest.skip("make reference runs it every night")
-    if missing := PUBLISHED.ENTRIES[name].find_missing_packages():
+    if missing := PUBLISHED.ENTRIES[name].find_missing_sources():
         pytest.skip(f"needs a motion of {', '.join(missing)}")
     _, table, _ = PUBLISHED.split_page(PUBLISHED.PAGE.read_text(encoding="utf-8"), name)
     assert PUBLISHED.format_rows(PUBLISHED.find_rows(name)) == table
