@@ -45,6 +45,18 @@ def test_its_table_is_that_of_the_page(name):
     assert PUBLISHED.format_rows(PUBLISHED.find_rows(name)) == table
 
 
+def test_a_study_says_where_its_motions_come_from(monkeypatch, tmp_path):
+    entry = sys.modules["comparison"].Entry
+    packaged = entry(rows=iter, motions=("no_such_package/motion.csv", "numpy/motion.csv"))
+    assert packaged.find_missing_sources() == ["`pip install no_such_package`"]
+    public = entry(rows=iter, motions=("folder/motion.txt",), repository="owner/motions")
+    monkeypatch.setenv("POUND_CHECKOUTS", str(tmp_path))
+    assert public.find_missing_sources() == ["a checkout of github.com/owner/motions in the folder POUND_CHECKOUTS"]
+    (tmp_path / "motions").mkdir()
+    assert public.find_missing_sources() == []
+    assert list(public.find_motions()) == [tmp_path / "motions" / "folder" / "motion.txt"]
+
+
 @pytest.mark.parametrize(
     ("oscillator", "speed"),
     list(zip(IMPACT_OSCILLATOR.OSCILLATORS, (0.404864, 0.578378, 0.120573, 0.459357, 0.337333, 0.393713), strict=True)),
