@@ -50,11 +50,12 @@ def find_walls(solved: Any) -> pd.DataFrame:
     table["stiffness"] = table["impact.stiffness"].str.split().str[0].astype(float)
     sums = table.pivot_table("impulse", ["stiffness", "w", "r", "s"], "records.duration")
     squares = sums.diff(axis=1).diff(axis=1).iloc[:, -1] ** 2
-    walls = {}
-    for key, three in squares.groupby(level=["stiffness", "w", "r"]):
+    rows = []
+    for (stiffness, w, r), three in squares.groupby(level=["stiffness", "w", "r"]):
         powers = np.vander(three / three.max(), 3, increasing=True)
-        walls[key] = np.linalg.solve(powers, three.index.get_level_values("s"))[0]
-    return pd.Series(walls).unstack([1, 2])
+        wall = np.linalg.solve(powers, three.index.get_level_values("s"))[0]
+        rows.append({"stiffness": stiffness, "w": w, "r": r, "wall": wall})
+    return pd.DataFrame(rows).pivot_table("wall", "stiffness", ["w", "r"])
 
 
 def compare_impact_doubling(solved: Any) -> Iterator[Row]:
