@@ -4,13 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import cos, pi, sin, sqrt
+from pathlib import Path
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 import pandas as pd
 from comparison import Entry, Row, compare
-from impact_oscillator import extrapolate, find_rigid_speed
+from impact_oscillator import extrapolate, find_mass, find_rigid_speed
+from matplotlib.figure import Figure
 from scipy.optimize import brentq
+
+from pounding_cli.report.style import RC
 
 OSCILLATORS = ((2.5, 0.5), (2.6, 0.5), (2.6, 0.6))
 """w [-] and r [-]."""
@@ -39,28 +44,54 @@ def find_doubling_wall(w: float, r: float) -> float:
     return float(brentq(lambda s: find_rigid_speed(w, r, s) - speed, 0.0, 0.15))
 
 
-def find_walls(solved: Any) -> pd.DataFrame:
+def find_last_blows(solved: Any) -> pd.DataFrame:
+    """Return the speeds of the last two blows, by stiffness of the contact, w, r and place s of the wall [-]."""
+    table = solved.table("link").rename(columns={"buildings.oscillator.period": "w", "impact.restitution": "r"})
+    table["s"] = (table["cases.wall.gap"] * 4 * pi**2 / table["w"] ** 2).round(6)
+    table["stiffness"] = table["impact.stiffness"].str.split().str[0].astype(float)
+    table["speed"] = table["impulse"] * 2 * pi / (find_mass(solved) * (1 + table["r"]) * table["w"])
+    sums = table.pivot_table("speed", ["stiffness", "w", "r", "s"], "records.duration")
+    return sums.diff(axis=1).iloc[:, -2:]
+
+
+def find_walls(blows: pd.DataFrame) -> pd.DataFrame:
     """Return the places of the wall at which the blows begin to alternate over the stiffness of the contact, a column
     for every oscillator (w, r) [-].
 
     The square of the difference of two blows grows from zero there; its second power makes the fit exact to 0.1 %.
     """
-    table = solved.table("link").rename(columns={"buildings.oscillator.period": "w", "impact.restitution": "r"})
-    table["s"] = table["cases.wall.gap"] * 4 * pi**2 / table["w"] ** 2
-    table["stiffness"] = table["impact.stiffness"].str.split().str[0].astype(float)
-    sums = table.pivot_table("impulse", ["stiffness", "w", "r", "s"], "records.duration")
-    squares = sums.diff(axis=1).diff(axis=1).iloc[:, -1] ** 2
+    squares = blows.diff(axis=1).iloc[:, -1] ** 2
     rows = []
-    for (stiffness, w, r), three in squares.groupby(level=["stiffness", "w", "r"]):
-        powers = np.vander(three / three.max(), 3, increasing=True)
-        wall = np.linalg.solve(powers, three.index.get_level_values("s"))[0]
+    for (stiffness, w, r), walls in squares.groupby(level=["stiffness", "w", "r"]):
+        beyond = walls.sort_index().tail(3)
+        powers = np.vander(beyond / beyond.max(), 3, increasing=True)
+        wall = np.linalg.solve(powers, beyond.index.get_level_values("s"))[0]
         rows.append({"stiffness": stiffness, "w": w, "r": r, "wall": wall})
     return pd.DataFrame(rows).pivot_table("wall", "stiffness", ["w", "r"])
 
 
+def draw_alternation(solved: Any, path: Path) -> None:
+    """Draw the speeds of the last two blows over the place of the wall beside the closed form of one blow a period."""
+    blows = find_last_blows(solved).xs(1e6, level="stiffness")
+    with mpl.rc_context({**RC, "svg.hashsalt": path.stem}):
+        figure = Figure(figsize=(6.4, 3.2), layout="constrained")
+        ax = figure.subplots()
+        for number, (w, r) in enumerate(OSCILLATORS):
+            start = find_doubling_wall(w, r)
+            own = blows.loc[w, r]
+            ax.plot(own.index - start, own, "o", ms=3, color=f"C{number}", label=[f"w = {w:g}, r = {r:g}", None])
+            places = np.linspace(start - 0.025, start + 0.02, 50)
+            speeds = [find_rigid_speed(w, r, s) for s in places]
+            ax.plot(places - start, speeds, "-", color=f"C{number}", lw=0.8)
+        ax.axvline(0, color="k", ls=":", lw=0.8)
+        ax.set(xlabel="place of the wall, less the one where the blows begin to alternate", ylabel="speed of the blows")
+        ax.legend(fontsize="x-small")
+        figure.savefig(path, format="svg", metadata={"Date": None})
+
+
 def compare_impact_doubling(solved: Any) -> Iterator[Row]:
     """Yield the place of the wall of every oscillator."""
-    walls = find_walls(solved)
+    walls = find_walls(find_last_blows(solved))
     for w, r in OSCILLATORS:
         exact = find_doubling_wall(w, r)
         column = walls[w, r]
@@ -70,4 +101,4 @@ def compare_impact_doubling(solved: Any) -> Iterator[Row]:
         yield compare(quantity, exact, extrapolate(column), ".5f", why)
 
 
-ENTRY = Entry(compare_impact_doubling)
+ENTRY = Entry(compare_impact_doubling, draw=draw_alternation)
