@@ -57,7 +57,7 @@ MAX_PERIOD_DIFFERENCE = 0.05
 
 @dataclass(frozen=True)
 class Choices:
-    """What the tables leave open, as options of the command say it.
+    """Choices that the tables leave open, as options of the command give them.
 
     direction : of the row, "X" or "Y"
     case, step, tower : of the tables; "" where they leave no choice

@@ -24,7 +24,7 @@ LINE_WIDTH = 115
 
 @dataclass(frozen=True)
 class PlanSize:
-    """What no table of a frame program says of a plan.
+    """The size of a plan, which no table of a frame program gives.
 
     width : across the row [m]
     depth : along the row [m]

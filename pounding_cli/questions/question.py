@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pkgutil
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -39,6 +40,20 @@ class Answer:
     plan: Plan
     arrays: ResultArrays
     tables: Sequence[Table]
+
+
+@dataclass(frozen=True)
+class LateFunction:
+    """A function or class that is imported when it is first called: a declaration needs neither pandas nor matplotlib.
+
+    place : of it, `package.module:name`
+    """
+
+    place: str
+
+    def __call__(self, *arguments: Any, **options: Any) -> Any:
+        """Call the function."""
+        return pkgutil.resolve_name(self.place)(*arguments, **options)
 
 
 def _no_lines(_results: ResultTables) -> Sequence[Any]:

@@ -1,5 +1,5 @@
-"""What `pound check` says of buildings that are only seen: every number, its source and how uncertain it is; and what
-is doubtful about them."""
+"""Sentences of `pound check` on buildings that are only seen: every number, its source and how uncertain it is; and
+the doubts about them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the schema is made of: the base of its mappings, keys, lists or single values, checks of whole mappings."""
+"""Building blocks of the schema: the base of its mappings, keys, lists or single values, checks of whole mappings."""
 
 from __future__ import annotations
 

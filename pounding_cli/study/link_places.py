@@ -1,4 +1,4 @@
-"""Where links stand: the places at which two neighbours meet, and those at which the links of a case end."""
+"""Find the places at which two neighbours meet, and those at which the links of a case end."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from pounding_cli.study.street_places import StreetSide
 
 
 class LinkEnds(NamedTuple):
-    """Where both ends of a link stand; fields as of `Link`.
+    """Places of both ends of a link; fields as of `Link`.
 
     flexibility : deflection per level force of the columns that it ends on [m/N]
     """
@@ -42,7 +42,7 @@ class LinkEnds(NamedTuple):
 
 
 class Side(NamedTuple):
-    """What a link must know of the building on one of its sides.
+    """The building on one side of a link, as far as the link must know it.
 
     levels : elevations of its base and its floors [m]
     base_moves : whether a link may end at its base

@@ -122,8 +122,10 @@ class Plan:
 
     @cached_property
     def first(self) -> tuple[np.ndarray, np.ndarray]:
-        """Of every scene the flat number of the row where it stands first, and its column there: 0, or 1 + the building
-        that stands alone; shapes (scenes,)."""
+        """The place where every scene stands first: flat number of the row, and the column in it; shapes (scenes,).
+
+        The column is 0 for the group, and 1 + the number of a building that stands alone.
+        """
         flat = self.numbers.ravel()
         _, at = np.unique(flat[flat >= 0], return_index=True)
         return np.divmod(np.flatnonzero(flat >= 0)[at], self.numbers.shape[-1])

@@ -1,4 +1,4 @@
-"""What `pound fragility` prints: the answer in sentences, its tables, and what a reader should know of the numbers."""
+"""The texts of `pound fragility`: its answer in sentences, its tables, and notes on the numbers."""
 
 from __future__ import annotations
 

@@ -54,7 +54,7 @@ depend on the motions; NaN where it says nothing."""
 
 @dataclass(frozen=True)
 class PointState:
-    """What is known of the group at one point of the sweep.
+    """The group at one point of the sweep, as far as separations need it.
 
     index : of the point
     number : of the point, from 0

@@ -91,12 +91,12 @@ class Change:
 
     @property
     def is_rise(self) -> bool:
-        """Whether pounding raises the response of some storey."""
+        """True where pounding raises the response of some storey."""
         return self.highest > 1 + MIN_CHANGE
 
     @property
     def is_fall(self) -> bool:
-        """Whether pounding lowers the response of some storey and raises that of none."""
+        """True where pounding lowers the response of some storey and raises that of none."""
         return not self.is_rise and self.lowest < 1 - MIN_CHANGE
 
     @property
