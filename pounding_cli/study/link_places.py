@@ -244,8 +244,12 @@ def _are_alike(ends: LinkEnds, other: LinkEnds) -> bool:
 def _hint_to_floors(floor: int, meeting: Meeting) -> str:
     """Return what to write for a floor that meets none of the neighbour."""
     common = ", ".join(str(each or BASE) for each, _ in meeting.floors)
-    both_ends = f"both ends, e.g. `[[{floor}, {min(max(floor, 1), meeting.right.storeys)}]]`"
-    return f"write floors among {common}, or {both_ends}" if common else f"write {both_ends}"
+    is_there = floor <= meeting.left.storeys and (floor > 0 or meeting.left.base_moves)
+    left_floor = floor if is_there else min(max(floor, 1), meeting.left.storeys)
+    both_ends = f"both ends, e.g. `[[{left_floor or BASE}, {min(max(floor, 1), meeting.right.storeys)}]]`"
+    if not common:
+        return f"write {both_ends}"
+    return f"write floors among {common}, or {both_ends}" if is_there else f"write floors among {common}"
 
 
 def _listed_floors(link: LinkSpec) -> tuple[Any, ...]:
