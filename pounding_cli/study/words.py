@@ -172,6 +172,8 @@ def describe_error(item: dict[str, Any], path: KeyPath, model: type[BaseModel], 
     if kind in _MESSAGES:
         message, hint, at_key = _MESSAGES[kind]
         fields = context | {"owner": owner, "value": quote(value)}
+        if kind == "string_pattern_mismatch":
+            hint += _explain_dots(str(value), str(context["pattern"]))
         if kind == "too_long":  # pydantic does not always count
             fields["actual_length"] = len(value or ())
         other_form = _OTHER_FORMS.get(path[-1], "") if at_key is False else ""
@@ -260,6 +262,16 @@ def _describe_listed_value(name: str, path: KeyPath, model: type[BaseModel], tre
     if any(get_origin(kind) is tuple for kind in types_at(model, (*path[:-1], before))[0]):
         hint = f"write a list in brackets, `{before}: [{owner[before]}, {name}]`"
     return f"'{name}' stands where a key belongs", hint, True
+
+
+def _explain_dots(name: str, pattern: str) -> str:
+    """Return why a name has no dot, or that it may have some; "" where neither is asked.
+
+    pattern : of the names that are allowed
+    """
+    if "." in pattern:
+        return "; dots behind the first one"
+    return "; a dot stands between the keys of a dotted name, `cases.near.gap`" if "." in name else ""
 
 
 def _example_of_list(model: type[BaseModel], path: KeyPath) -> str:

@@ -160,3 +160,12 @@ def test_the_summary_of_a_run_and_a_check_name_all_motions(motion, pound) -> Non
     run, checked = flat(pound("run", "[set/]").stdout), pound("check", "[set/]").stdout
     assert f"Motions: user: {', '.join(names)}" in run
     assert [name for name in names if f"\n  {name} " not in checked] == []
+
+
+def test_a_motion_may_have_a_dot_in_its_name(motion, pound) -> None:
+    """Fails if a name that is only a label is refused, or is cut at its dot in results or files."""
+    motion("sine.txt")
+    said = flat(pound("run", "[{file: sine.txt, name: 1.25 Hz}]").stdout)
+    assert "Motions: user: 1.25 Hz" in said
+    results = pounding_cli.open_results("results/study.h5")
+    assert set(results.storey()["record"]) == {"1.25 Hz"}
