@@ -174,6 +174,7 @@ def describe_error(item: dict[str, Any], path: KeyPath, model: type[BaseModel], 
         fields = context | {"owner": owner, "value": quote(value)}
         if kind == "string_pattern_mismatch":
             hint += _explain_dots(str(value), str(context["pattern"]))
+            at_key = name != "name"  # keys that are names themselves
         if kind == "too_long":  # pydantic does not always count
             fields["actual_length"] = len(value or ())
         other_form = _OTHER_FORMS.get(path[-1], "") if at_key is False else ""
