@@ -11,7 +11,7 @@ from datetime import date
 
 import numpy as np
 
-from pounding_cli.imports.storeys import ImportedBuilding
+from pounding_cli.imports.building import ImportedBuilding
 from pounding_cli.numbers import join_limited
 from pounding_cli.texts import escape_controls
 
