@@ -15,7 +15,7 @@ from pounding_cli.numbers import Unit
 from pounding_cli.paper.points import PointAnswer, PointCommand, SweepPoint, build_array, describe_extremes
 from pounding_cli.report.style import finish, panels, styled
 from pounding_cli.study.base import Model, SpecIssue, spec_field
-from pounding_cli.study.links import RESTITUTION
+from pounding_cli.study.complete_links import RESTITUTION
 from pounding_cli.study.quantity import MASS, STIFFNESS, TIME, ParsedText, Quantity, WholeNumber
 from pounding_cli.tables import Column
 

@@ -13,16 +13,7 @@ import xarray as xr
 from pounding_cli.laws import link_symbol
 from pounding_cli.report.document import Picture
 from pounding_cli.report.evidence import RESPONSES, Evidence, describe_motions
-from pounding_cli.report.style import (
-    case_handles,
-    finish,
-    grid,
-    is_for_page,
-    looks,
-    new_figure,
-    shared_legend,
-    styled,
-)
+from pounding_cli.report.style import case_handles, finish, grid, is_for_page, looks, new_figure, shared_legend, styled
 from pounding_cli.results.columns import column_of
 
 if TYPE_CHECKING:

@@ -11,16 +11,7 @@ from pydantic import Field
 from pydantic_core import PydanticCustomError
 
 from pounding_cli.study.base import Model, SpecIssue, list_or, one_or_many, spec_field
-from pounding_cli.study.quantity import (
-    BOTH_SIGNS,
-    FORCE,
-    LENGTH,
-    PLAUSIBLE_RANGES,
-    STIFFNESS,
-    Quantity,
-    quote,
-    refuse,
-)
+from pounding_cli.study.quantity import BOTH_SIGNS, FORCE, LENGTH, PLAUSIBLE_RANGES, STIFFNESS, Quantity, quote, refuse
 
 PLACE = Quantity("place", "m", "-6 m", -1000.0, 1000.0)
 """A place across the row [m], from the middle of a plan."""

@@ -16,25 +16,15 @@ from pounding_cli.model.links import Link
 from pounding_cli.model.twist import merge_links
 from pounding_cli.study.axes import UNWRITTEN, Axis
 from pounding_cli.study.buildings import build_building, find_code_displacements
+from pounding_cli.study.complete_links import CompleteLink, check_links, complete_links
 from pounding_cli.study.drafts import check_draft, check_draft_names, read_draft, read_impact_draft
 from pounding_cli.study.file import Map, get, with_value
 from pounding_cli.study.group import Group, build_group, check_group_names, check_meetings
 from pounding_cli.study.issues import Issue, Issues, IssuesFound, KeyPath
 from pounding_cli.study.like import inherits_key
+from pounding_cli.study.link_names import Names, check_case_names, check_contact_law, check_impact_names
 from pounding_cli.study.link_places import find_floors, find_linked_pairs
-from pounding_cli.study.links import (
-    CompleteLink,
-    Names,
-    build_laws,
-    build_links,
-    check_case_names,
-    check_contact_law,
-    check_impact_names,
-    check_links,
-    complete_links,
-    evaluate_multiples,
-    list_multiples,
-)
+from pounding_cli.study.links import build_laws, build_links, evaluate_multiples, list_multiples
 from pounding_cli.study.motions import MotionReader, Suite, read_suite
 from pounding_cli.study.own_laws import build_own_laws
 from pounding_cli.study.quantity import quote

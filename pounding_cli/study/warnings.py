@@ -48,7 +48,7 @@ from pounding_cli.units import GRAVITY
 
 if TYPE_CHECKING:
     from pounding_cli.study.study import Study
-    from pounding_cli.study.vary import UncertainInput
+    from pounding_cli.study.varied_inputs import UncertainInput
 
 MAX_CORNERS = 256
 """Combinations of the ends of several axes at which values are compared with each other."""

@@ -13,10 +13,10 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import PydanticCustomError
 
 from pounding_cli.laws import KELVIN_VOIGT, contact_laws, link_laws
+from pounding_cli.study.complete_links import refuse_beside_links, refuse_key
 from pounding_cli.study.file import dump_yaml, get, nearest
 from pounding_cli.study.issues import Issue, KeyPath
 from pounding_cli.study.link_specs import NO_LINK, POUNDING, SeveralLinks, link_keys, link_models, union_tag
-from pounding_cli.study.links import refuse_beside_links, refuse_key
 from pounding_cli.study.quantity import SEVERAL_VALUES, Quantity, ValueParser, quote
 from pounding_cli.study.records_spec import CODE_TARGETS
 

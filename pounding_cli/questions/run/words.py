@@ -13,12 +13,7 @@ from pounding_cli.model.scene import Analysis
 from pounding_cli.numbers import Unit, join_limited, pluralize
 from pounding_cli.questions.neighbours import note_median_buildings
 from pounding_cli.questions.run.ranking import describe_ranking
-from pounding_cli.questions.run.tables import (
-    BEYOND_MARK,
-    PEAKS,
-    build_means_table,
-    build_peaks_table,
-)
+from pounding_cli.questions.run.tables import BEYOND_MARK, PEAKS, build_means_table, build_peaks_table
 from pounding_cli.questions.run.twist import (
     CONTACT_MARK,
     does_twist,

@@ -43,7 +43,8 @@ from pounding_cli.questions.sensitivity.tables import (
 from pounding_cli.results.arrays import ResultArrays
 from pounding_cli.study import Plan, Study, make_plan
 from pounding_cli.study.expression import Expression, Statement, parse_expression, parse_statement
-from pounding_cli.study.vary import MOTION, MotionInput, choose_option, read_uncertain
+from pounding_cli.study.varied_inputs import MOTION, MotionInput, choose_option
+from pounding_cli.study.vary import read_uncertain
 from pounding_cli.tables import Column, Table, build_table
 
 if TYPE_CHECKING:
