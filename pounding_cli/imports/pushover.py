@@ -17,7 +17,7 @@ from pounding_cli.imports.rows import select_case
 from pounding_cli.imports.tables import Column, ProgramTable, Row, TableFile
 from pounding_cli.numbers import join_limited
 from pounding_cli.reading import shorten_path
-from pounding_cli.report.style import finish, grid, shared_legend, styled
+from pounding_cli.report.style import finish, grid, shared_legend, with_style
 from pounding_cli.texts import escape_controls
 
 if TYPE_CHECKING:
@@ -243,7 +243,7 @@ def _list_doubts(curve: Curve, fit: Fit) -> list[str]:
     return doubts
 
 
-@styled
+@with_style
 def draw_fits(curves: Sequence[Curve], fits: dict[str, Fit], title: str) -> Figure:
     """Draw the curve of every storey, from the roof down, with its two lines."""
     by_name = {curve.storey: curve for curve in curves}

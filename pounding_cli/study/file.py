@@ -419,7 +419,7 @@ class Problems:
             place, message = (mark[0], 0, 0), message.removeprefix(f"{mark[0].split('.')[-1]}: ")
         self.found[Problem(message, hint, *place)] = None
 
-    def at(self, root: Any, path: KeyPath, message: str, hint: str = "", key: bool = False) -> None:
+    def add_at(self, root: Any, path: KeyPath, message: str, hint: str = "", key: bool = False) -> None:
         """Note a problem with the value (or the key) at `path`."""
         self.add(locate(root, path, key), message, hint)
 

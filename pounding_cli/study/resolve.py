@@ -36,7 +36,7 @@ Specs = Mapping[KeyPath, Any]
 
 
 @dataclass(frozen=True, eq=False)
-class Resolved:
+class StudyParts:
     """The parts of a study at the points of its sweep.
 
     building_specs, types : validated keys of the building types by name, and the buildings
@@ -156,7 +156,7 @@ def _format_rows(axis: Axis, columns: Sequence[int]) -> list[str]:
     return [repr([values[column] for column in columns]) for values in axis.written_values]
 
 
-def resolve(specs: Specs, tree: Map, axes: Sequence[Axis], reader: MotionReader, issues: Issues) -> Resolved:
+def resolve(specs: Specs, tree: Map, axes: Sequence[Axis], reader: MotionReader, issues: Issues) -> StudyParts:
     """Return the parts of a study at the points of its sweep; what is wrong is noted.
 
     specs : validated sections as written (`read_specs`)
@@ -187,7 +187,7 @@ class _Resolver:
         """Return the names of the entries of a section."""
         return [str(path[1]) for path in self.specs if len(path) == 2 and path[0] == section]
 
-    def resolve(self, reader: MotionReader) -> Resolved:
+    def resolve(self, reader: MotionReader) -> StudyParts:
         """Return all parts."""
         records = self.sweep_spec("records")
         suite = self.map(partial(read_suite, reader=reader), records)
@@ -224,7 +224,7 @@ class _Resolver:
             parted = self.map(build_links, checked, link_laws[name], floors, meetings)
             links[name] = self.map(_merge_links, group, parted) if has_plans else parted
         tail = self.sweep_spec("tail")
-        return Resolved(building_specs, types, group, impact, complete, link_laws, links, records, suite, tail)
+        return StudyParts(building_specs, types, group, impact, complete, link_laws, links, records, suite, tail)
 
     def note_faulty_case(self, name: str, impact: Swept[Any], meetings: Swept[Any], names: Names) -> None:
         """Note what else is wrong with a faulty case: names that the study lacks, and keys and floors of its links."""

@@ -126,7 +126,7 @@ class Sensitivity(StudyQuestion):
         self.motion_sets: np.ndarray | None = None
         if len(inputs) < 2 and not problems.found:
             hint = "write two keys or more, e.g. `uncertain: {impact.restitution: {uniform: {from: 0.4, to: 0.65}}}`"
-            problems.at(root, ("uncertain",), "fewer than two keys are uncertain", hint, key=True)
+            problems.add_at(root, ("uncertain",), "fewer than two keys are uncertain", hint, key=True)
         for each in inputs:
             if isinstance(each, MotionInput):
                 if each.motion_count < 2:
