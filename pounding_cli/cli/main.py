@@ -40,7 +40,10 @@ COMMANDS = {
 }
 """Every command with its module and the line `pound --help` shows, in the order of a user's day."""
 
-REFUSED, FAULT, STOPPED, NOBODY_READS = 2, 70, 130, 141
+REFUSED = 2
+FAULT = 70
+STOPPED = 130
+NOBODY_READS = 141
 """Exit codes: refused input; an internal error (EX_SOFTWARE); Ctrl-C and SIGPIPE, as shells count them."""
 
 

@@ -45,7 +45,8 @@ def width_of_jump(thickness: float) -> float:
 def set_inside(e: Any) -> None:
     """Set the force inside the thickness."""
     set_line(e, e.p[_K], 0.0, 0.0, 0.0, e.p[_THICKNESS])
-    e.cubic, e.root = e.p[_CUBIC], e.p[_ROOT]
+    e.cubic = e.p[_CUBIC]
+    e.root = e.p[_ROOT]
 
 
 def set_beyond(e: Any) -> None:
@@ -258,7 +259,8 @@ def next_branch_on_columns(e: Any, guard: int) -> None:
         branch -= 1 if has_jump or branch != _PAST else 2
     if branch == _LIGHT:
         set_line(e, e.p[_K_LIGHTLY], 0.0, 0.0, 0.0, e.p[_LIGHTLY])
-        e.cubic, e.root = e.p[_CUBIC_LIGHTLY], e.p[_ROOT]
+        e.cubic = e.p[_CUBIC_LIGHTLY]
+        e.root = e.p[_ROOT]
     elif branch == _CURVED:
         set_line(e, 0.0, 0.0, 0.0, e.p[_LIGHTLY], e.p[_THICKNESS])
         e.smooth = 1

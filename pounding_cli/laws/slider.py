@@ -13,7 +13,9 @@ from pounding_cli.laws.storey import StoreyLaw
 _K, FRICTION = range(2)
 """Parameters: stiffness of the surface W / R [N/m], friction mu W [N]."""
 
-_LEFTWARDS, _STUCK, _RIGHTWARDS = -1, 0, 1
+_LEFTWARDS = -1
+_STUCK = 0
+_RIGHTWARDS = 1
 """Branches: sliding to either side, and held where it is."""
 
 

@@ -33,10 +33,12 @@ from pounding_cli.solver.records import COLUMN, DOF, ELEMENT, FORMULA, RUN, SERI
 SAFETY = 0.5
 """What a series may leave out of an acceleration, over the accuracy asked of the peaks [-]."""
 
-COARSEST, FINEST = 1e-4, 1e-16
+COARSEST = 1e-4
+FINEST = 1e-16
 """Most and least that a series may leave out, relative to the acceleration [-]."""
 
-SMOOTHER, FINEST_SMOOTH = 0.01, 1e-13
+SMOOTHER = 0.01
+FINEST_SMOOTH = 1e-13
 """Error that a step by DOP853 may have, over what a series may leave out, and its least [-]: less could not be told
 from rounding, and where less is asked the steps become as much shorter as it would make them."""
 
@@ -49,7 +51,8 @@ LEAST_STATE = 1e-6
 LEAST_SCALE = 1e-3
 """Acceleration below which nothing is resolved, over the ground's peak [-]."""
 
-MOST_STEPS, MOST_EVENTS = 20_000_000, 5_000_000
+MOST_STEPS = 20_000_000
+MOST_EVENTS = 5_000_000
 """Bounds of a run, after which it ends with a status that says so."""
 
 NOTHING_KEPT = Watch(np.zeros(0), np.zeros((0, 0, 3)), np.zeros((0, 0, 2)), np.zeros((0, 3)), np.zeros((0, 0)))
@@ -196,10 +199,12 @@ class _Building:
     up, its rocking; the elements below each; and the dashpots to the ground with their weights."""
 
     def __init__(self, b: Building, first: int, yields: bool, collapses: bool) -> None:
-        self.dofs, self.storeys = list[dict[str, Any]](), list[dict[str, Any]]()
+        self.dofs = list[dict[str, Any]]()
+        self.storeys = list[dict[str, Any]]()
         self.drags = list[tuple[dict[str, Any], Weights]]()
         self.lines = list[Line]()
-        self.building, f = b, b.foundation
+        self.building = b
+        f = b.foundation
         self.base = self.foot = -1
         if f is not None and f.sways:
             self.base = first
@@ -215,12 +220,14 @@ class _Building:
         self._first_turn = self.floors.stop + int(self.foot >= 0)
         rocks = self.foot >= 0
         for j, law in enumerate(b.laws):
-            mass, height = float(b.mass[j]), float(b.height[j])
+            mass = float(b.mass[j])
+            height = float(b.height[j])
             limit = float(b.collapse_drift[j]) if collapses else math.inf
             load = 0.0 if b.gravity_load is None else float(b.gravity_load[j]) / height
             storey = _storey(law.stiffness, b.beta * law.stiffness, law if yields and law.can_yield else None)
             if b.plan is not None:  # its lines resist
-                storey, limit = _storey(0.0, 0.0), math.inf
+                storey = _storey(0.0, 0.0)
+                limit = math.inf
                 storey |= {"twists": self._twists(j), "mate": self._first_turn + j}
             self._add(
                 mass, storey | {"collapse": limit, "load": load}, drag=b.alpha if f is None else 0.0,
@@ -264,7 +271,8 @@ class _Building:
             is_along = number < len(plan.lines)
             for j, law in enumerate(b.laws_of_line(line)):
                 below = self.floors.start + j - 1 if j else self.base
-                turn, turn_below = self.turns.start + j, self.turns.start + j - 1 if j else -1
+                turn = self.turns.start + j
+                turn_below = self.turns.start + j - 1 if j else -1
                 lever = -line.arm if is_along else line.arm
                 weights = {turn: lever, turn_below: -lever}
                 if is_along:
@@ -288,7 +296,8 @@ class _Building:
 
         arm : from the centres of mass of floors that twist [m]
         """
-        first, shape = self.floors.start, at * at * (3.0 - 2.0 * at)
+        first = self.floors.start
+        shape = at * at * (3.0 - 2.0 * at)
         if isinstance(self.building, Wall):
             return {first: 1.0}
         if floor == 0:
@@ -335,7 +344,10 @@ def _tie(element: np.void, weights: Weights, terms: list[tuple[float, int]]) -> 
     """Enter the degrees of freedom of an element: two plain ends where there are, all else as terms."""
     ends = [next((i for i, w in weights.items() if w == sign), -1) for sign in (1.0, -1.0)]
     left, right = (0, 0) if -1 in ends else ends  # no plain ends: all weights are terms
-    element["left"], element["right"], element["hold"], element["first"] = left, right, 1.0, len(terms)
+    element["left"] = left
+    element["right"] = right
+    element["hold"] = 1.0
+    element["first"] = len(terms)
     terms += [(w, i) for i, w in weights.items() if left == right or i not in (left, right)]
     element["last"] = len(terms)
 
@@ -404,7 +416,8 @@ def _lines_of_storey(made: Sequence[_Building], number: int, storey: int, first_
 
 def layout_of(scene: Scene) -> Layout:
     """Lay out the buildings and links of a scene."""
-    effects, links = effects_of(scene), scene.links
+    effects = effects_of(scene)
+    links = scene.links
     ties = tuple(
         Tie(
             ends=link.ends,
@@ -459,7 +472,9 @@ def _layout_of(buildings: tuple[Building, ...], ties: tuple[Tie, ...], yields: b
     elements = _filled(ELEMENT, [*storeys, *(element for element, _ in beside)])
     terms = list[tuple[float, int]]()
     for i, element in enumerate(elements[:n]):
-        element["left"], element["right"], element["hold"] = i, max(i - 1, 0), dofs[i]["below"]
+        element["left"] = i
+        element["right"] = max(i - 1, 0)
+        element["hold"] = dofs[i]["below"]
         element["first"] = len(terms)
         terms += [(dofs[i]["lean"], dofs[i]["foot"])] if dofs[i]["lean"] else []
         element["last"] = len(terms)
@@ -473,7 +488,8 @@ def _layout_of(buildings: tuple[Building, ...], ties: tuple[Tie, ...], yields: b
         shears += _storey_shears(number, made, first_line, terms)
     columns = _filled(COLUMN, shears, 1)
     table = np.zeros(max(len(terms), 1), TERM)
-    table["weight"][: len(terms)], table["dof"][: len(terms)] = [w for w, _ in terms], [i for _, i in terms]
+    table["weight"][: len(terms)] = [w for w, _ in terms]
+    table["dof"][: len(terms)] = [i for _, i in terms]
     behaviours = [BEHAVIOURS[kind] for kind in elements["kind"].tolist()]
     _number_states(elements, behaviours, n)
     return Layout(
@@ -513,17 +529,23 @@ def _put_links(elements: np.ndarray, scenes: Sequence[Scene], masses: Sequence[t
     """Enter the parameters of the links of scenes, with the masses at their ends, into their elements, shape (scenes,
     links); the records of their formulas, one a scene at least."""
     count = sum(isinstance(link.law, WrittenLaw) for link in scenes[0].links)
-    formulas, p, offset = np.zeros((len(scenes), max(count, 1)), FORMULA), elements["p"], elements["offset"]
+    formulas = np.zeros((len(scenes), max(count, 1)), FORMULA)
+    p = elements["p"]
+    offset = elements["offset"]
     for number, scene in enumerate(scenes):
         written = 0
         for place, (link, both) in enumerate(zip(scene.links, masses, strict=True)):
             law = link.law
             numbers = law.element_parameters(*both)
-            p[number, place, : len(numbers)], offset[number, place] = numbers, law.offset
+            p[number, place, : len(numbers)] = numbers
+            offset[number, place] = law.offset
             if isinstance(law, WrittenLaw):
                 formula = law.force(reduced_mass(*both))
-                record, elements["formula"][number, place], written = formulas[number, written], written, written + 1
-                record["count"], record["result"] = len(formula.rows), formula.result
+                record = formulas[number, written]
+                elements["formula"][number, place] = written
+                written = written + 1
+                record["count"] = len(formula.rows)
+                record["result"] = formula.result
                 record["operations"][: len(formula.rows)] = formula.rows
     return formulas
 
@@ -556,7 +578,8 @@ def _tail_segments(scene: Scene) -> int:
 
 def last_segment(scene: Scene) -> float:
     """Return the length of a scene's last segment [s]: a tail ends where it is asked to."""
-    dt, count = scene.motion.dt, _tail_segments(scene)
+    dt = scene.motion.dt
+    count = _tail_segments(scene)
     if count == 0 or abs(scene.tail - count * dt) <= WHOLE * dt:
         return dt
     return scene.tail - (count - 1) * dt
@@ -592,22 +615,31 @@ def records_of(
     least_steps: int = 1,
 ) -> Data:
     """The records of runs of one layout, a row a scene; parameters as of `solve.prepare`."""
-    n, m, count = layout.number, layout.elements.size, len(scenes)
+    n = layout.number
+    m = layout.elements.size
+    count = len(scenes)
     dofs, elements, columns = (np.tile(each, (count, 1)) for each in (layout.dofs, layout.elements, layout.columns))
     formulas = _put_links(elements[:, layout.of_links], scenes, layout.masses)
     if initial is not None:
         _put_initial(dofs, layout, *initial)
     tolerance = min(max(accuracy * SAFETY, FINEST), COARSEST)
-    r, always_smooth = np.zeros(count, RUN), method.name == "dop853"
-    r["n"], r["m"], r["drags"], r["lines"] = n, m, layout.drags, len(layout.lines)
+    r = np.zeros(count, RUN)
+    always_smooth = method.name == "dop853"
+    r["n"] = n
+    r["m"] = m
+    r["drags"] = layout.drags
+    r["lines"] = len(layout.lines)
     r["columns"] = layout.columns.size if layout.struck or layout.sums else 0
-    r["dt"], r["tolerance"] = [scene.motion.dt for scene in scenes], tolerance
+    r["dt"] = [scene.motion.dt for scene in scenes]
+    r["tolerance"] = tolerance
     r["least"] = [_least_acceleration(layout, *each) for each in zip(scenes, dofs, elements, strict=True)]
-    r["most_h"], r["rest"] = r["dt"] / least_steps, [last_segment(scene) for scene in scenes]
+    r["most_h"] = r["dt"] / least_steps
+    r["rest"] = [last_segment(scene) for scene in scenes]
     smooth_tolerance = SMOOTHER * tolerance
     r["smooth_tolerance"] = max(smooth_tolerance, FINEST_SMOOTH)
     r["smaller"] = min(1.0, smooth_tolerance / FINEST_SMOOTH) ** (1.0 / ORDER_OF_DOP853)
-    r["max_order"], r["has_lean"] = max_order(tolerance), max(layout.feet) >= 0
+    r["max_order"] = max_order(tolerance)
+    r["has_lean"] = max(layout.feet) >= 0
     r["most_steps"], r["most_events"] = bounds
     r["always_smooth"] = always_smooth
     room = None

@@ -10,7 +10,8 @@ from pounding_cli.solver.records import PLACES_INSIDE
 
 _ROOTS, _WEIGHTS = np.polynomial.legendre.leggauss(PLACES_INSIDE)
 
-PLACES, WEIGHTS = 0.5 + 0.5 * _ROOTS, 0.5 * _WEIGHTS
+PLACES = 0.5 + 0.5 * _ROOTS
+WEIGHTS = 0.5 * _WEIGHTS
 """Gauss-Legendre places in [0, 1] and their weights."""
 
 
@@ -43,22 +44,31 @@ def add_energy(dofs, elements, r, series):
 @njit(**PART)
 def _at_four(p, n, end, g):
     """The polynomial p of degree n at four places from number g on, side by side (Horner)."""
-    s0, s1, s2, s3 = PLACES[g] * end, PLACES[g + 1] * end, PLACES[g + 2] * end, PLACES[g + 3] * end
+    s0 = PLACES[g] * end
+    s1 = PLACES[g + 1] * end
+    s2 = PLACES[g + 2] * end
+    s3 = PLACES[g + 3] * end
     v0 = v1 = v2 = v3 = p[n]
     for k in range(n - 1, -1, -1):
-        v0, v1, v2, v3 = v0 * s0 + p[k], v1 * s1 + p[k], v2 * s2 + p[k], v3 * s3 + p[k]
+        v0 = v0 * s0 + p[k]
+        v1 = v1 * s1 + p[k]
+        v2 = v2 * s2 + p[k]
+        v3 = v3 * s3 + p[k]
     return v0, v1, v2, v3
 
 
 @njit(**PART)
 def _work_on_storeys(dofs, elements, r):
     """Energy that the ground puts in, and what dashpots of storeys and mass-proportional damping take [J]."""
-    duration, g1 = r.h * r.end, r.g1 * r.end
+    duration = r.h * r.end
+    g1 = r.g1 * r.end
     drag = dashpots = pushed = 0.0
     has_lines = r.lines > 0
     for i in range(r.n):
-        el, d = elements[i], dofs[i]
-        below, foot = dofs[el.right].inside, dofs[d.foot].inside
+        el = elements[i]
+        d = dofs[i]
+        below = dofs[el.right].inside
+        foot = dofs[d.foot].inside
         push = square = rates = 0.0
         for g in range(PLACES_INSIDE):
             v = d.inside[g]
@@ -79,9 +89,12 @@ def _work_on_storeys(dofs, elements, r):
 @njit(**PART)
 def _common_rates(dofs, elements, i):
     """Return the mean over the step of the rate of drift times that of twist of the storey i, whose floors twist."""
-    d, el = dofs[i], elements[i]
-    below, foot = dofs[el.right].inside, dofs[d.foot].inside
-    turn, mate = dofs[el.mate], elements[el.mate]
+    d = dofs[i]
+    el = elements[i]
+    below = dofs[el.right].inside
+    foot = dofs[d.foot].inside
+    turn = dofs[el.mate]
+    mate = elements[el.mate]
     turn_below = dofs[mate.right].inside
     product = 0.0
     for g in range(PLACES_INSIDE):
@@ -95,7 +108,8 @@ def _work_on_series(el, r, s):
     """Work done in the step on an element whose force has a series [J]."""
     if not el.acts:
         return
-    n, power = r.order - 1, 0.0
+    n = r.order - 1
+    power = 0.0
     for g in range(0, PLACES_INSIDE, 4):
         f0, f1, f2, f3 = _at_four(s.f, n, r.end, g)
         v0, v1, v2, v3 = _at_four(s.rate, n, r.end, g)

@@ -83,7 +83,8 @@ def nudged_motion(motion: Motion, nudge: float = NUDGE) -> Motion:
 def change(first: Response, second: Response) -> float:
     """Largest relative change of the peak shear or drift of any storey or frame line between two responses of the same
     buildings [-], as `difference`."""
-    a, b = first.peaks, second.peaks
+    a = first.peaks
+    b = second.peaks
     sizes = scene_sizes(first, second)
     names = ("shear", "drift", "line_shear", "line_drift") if count_lines(a) else ("shear", "drift")
     found = [_compared(a[name], b[name], a[name], sizes[name]) for name in names]
@@ -101,7 +102,8 @@ def difference(first: Response, second: Response) -> float:
     scene's size, `scene_sizes`, counts as zero, and a link that presses by rounding as one that does not. Counts are
     left out, and so are energies, whose error is the ledger's residual.
     """
-    a, b = first.peaks, second.peaks
+    a = first.peaks
+    b = second.peaks
     sizes = scene_sizes(first, second)
     reach = np.maximum(a["displacement_max"], -a["displacement_min"])
     scales = {"displacement_max": reach, "displacement_min": reach, "residual_drift": a["drift"]}
@@ -140,7 +142,8 @@ def scene_sizes(first: Response, second: Response) -> dict[str, float]:
     force = max(largest[name] for name in forces)
     sizes = dict.fromkeys(lengths, length) | dict.fromkeys(forces, force)
     sizes["twist"] = length / ARM
-    sizes["acceleration"], sizes["rocking"] = largest["acceleration"], largest["rocking"]
+    sizes["acceleration"] = largest["acceleration"]
+    sizes["rocking"] = largest["rocking"]
     sizes["impulse"] = force * largest["contact_time"]
     return sizes
 
@@ -192,14 +195,16 @@ def assess(scenes: Sequence[Scene], responses: Sequence[Response], accuracy: flo
     finer one, until the estimate meets the accuracy or double precision is not enough. In that case, or if rounding may
     be near the accuracy, two more runs show the scatter of the numbers.
     """
-    known, open_ones = list(responses), [number for number, each in enumerate(responses) if each.has_result]
+    known = list(responses)
+    open_ones = [number for number, each in enumerate(responses) if each.has_result]
     method = responses[0].method if responses else "taylor"
     if accuracy >= FINEST_AT_ONCE and not METHODS[method].takes_step:
         nudge = min(LITTLE * accuracy, NUDGE)
         judges = solver.solve_all([_nudged(scenes[each], nudge) for each in open_ones], finer(accuracy), method)
         for number, judge in zip(tuple(open_ones), judges, strict=True):
             first = responses[number]
-            error, sensitivity = difference(first, judge), change(first, judge) / nudge
+            error = difference(first, judge)
+            sensitivity = change(first, judge) / nudge
             if error <= HARMLESS * accuracy and sensitivity <= HARMLESS * ILL_CONDITIONED:
                 known[number] = dataclasses.replace(first, error_estimate=error, sensitivity=sensitivity)
                 open_ones.remove(number)
@@ -218,9 +223,11 @@ def _looked_at_closely(scene: Scene, response: Response, accuracy: float) -> Res
     method, tight = ("taylor", BESIDE_FIXED_STEPS) if fixed else (response.method, finer(accuracy))
     second, nudged = solver.solve_all([scene, _nudged(scene, NUDGE)], tight, method)
     sensitivity = change(second, nudged) / NUDGE
-    error, seconds = difference(response, second), response.seconds
+    error = difference(response, second)
+    seconds = response.seconds
     while not fixed and error > accuracy and second.has_result:
-        response, seconds = second, seconds + second.seconds
+        response = second
+        seconds = seconds + second.seconds
         if tight <= FINEST:
             break
         tight = finer(tight)

@@ -29,7 +29,10 @@ from pounding_cli.solver.records import COLLAPSED
 from pounding_cli.solver.series import LAST_DIGITS, LAST_OF_FIT, zero_if_rounding
 from pounding_cli.solver.stick import find_drive, hold_or_release
 
-VALUE, ITS_FORCE, RATE, RATE_AND_SLOPE = 1, 2, 3, 4
+VALUE = 1
+ITS_FORCE = 2
+RATE = 3
+RATE_AND_SLOPE = 4
 """What is exactly known of an element after an event, `pinned`: its deformation is that of the guard; its force is
 zero; its rate is that of the guard; and its rate neither grows nor falls."""
 
@@ -55,7 +58,8 @@ NEAR_ZERO = 1e-9
 @njit(**PART)
 def summarise(dofs, elements, terms, r):
     """Displacement, velocity and total acceleration of every degree of freedom at s = 1, with chord deviations."""
-    h, count = r.h, r.order + 1
+    h = r.h
+    count = r.order + 1
     for i in range(r.n):
         d = dofs[i]
         u = v = a = bend = twist = 0.0
@@ -68,19 +72,29 @@ def summarise(dofs, elements, terms, r):
             bent = abs(slope) * (FLOAT[k] - 1.0)
             bend += bent
             twist += bent * (FLOAT[k] - 2.0)
-        d.u1, d.v1, d.a1 = d.u0 + h * u, v, a / h + d.felt * r.g0 + d.felt * r.g1
-        d.du, d.dv = 0.125 * h * (abs(d.w[1]) + bend), 0.125 * bend  # k < k (k - 1) from the third order on
+        d.u1 = d.u0 + h * u
+        d.v1 = v
+        d.a1 = a / h + d.felt * r.g0 + d.felt * r.g1
+        # k < k (k - 1) from the third order on
+        d.du = 0.125 * h * (abs(d.w[1]) + bend)
+        d.dv = 0.125 * bend
         d.da = 0.125 * twist / h
     ends_of_elements(dofs, elements, terms, r)
-    first_line, end_of_lines = r.n + r.drags, r.n + r.drags + r.lines
+    first_line = r.n + r.drags
+    end_of_lines = r.n + r.drags + r.lines
     for e in range(r.m):
         el = elements[e]
         if first_line <= e < end_of_lines:
-            storey, mate, lever = elements[el.storey], elements[el.mate], abs(el.lever)
-            el.dv, el.dr = el.along * storey.dv + lever * mate.dv, el.along * storey.dr + lever * mate.dr
+            storey = elements[el.storey]
+            mate = elements[el.mate]
+            lever = abs(el.lever)
+            el.dv = el.along * storey.dv + lever * mate.dv
+            el.dr = el.along * storey.dr + lever * mate.dr
             continue
-        left, right = dofs[el.left], dofs[el.right]
-        el.dv, el.dr = left.du + el.hold * right.du, left.dv + el.hold * right.dv
+        left = dofs[el.left]
+        right = dofs[el.right]
+        el.dv = left.du + el.hold * right.du
+        el.dr = left.dv + el.hold * right.dv
         for x in range(el.first, el.last):
             size = abs(terms[x].weight)
             el.dv += size * dofs[terms[x].dof].du
@@ -90,8 +104,11 @@ def summarise(dofs, elements, terms, r):
 @njit(**PART)
 def _end_of_line(elements, el):
     """Deformation and rate of a frame line at the step's end, from those of its storey, which come before it."""
-    storey, mate, lever = elements[el.storey], elements[el.mate], abs(el.lever)
-    v, rate = el.along * storey.v1 + el.lever * mate.v1, el.along * storey.r1 + el.lever * mate.r1
+    storey = elements[el.storey]
+    mate = elements[el.mate]
+    lever = abs(el.lever)
+    v = el.along * storey.v1 + el.lever * mate.v1
+    rate = el.along * storey.r1 + el.lever * mate.r1
     el.v1 = zero_if_rounding(v, el.along * storey.size_v + lever * mate.size_v, LAST_DIGITS)
     el.r1 = zero_if_rounding(rate, el.along * storey.size_r + lever * mate.size_r, LAST_DIGITS)
 
@@ -100,7 +117,8 @@ def _end_of_line(elements, el):
 def _largest_of_ends(dofs, terms, el):
     """Return the largest displacement [m] and speed [m/s] that the degrees of freedom of an element have had: of the
     larger of its two ends, and of its further terms."""
-    left, right = dofs[el.left], dofs[el.right]
+    left = dofs[el.left]
+    right = dofs[el.right]
     reach, fastest = _largest_of_terms(dofs, terms, el)
     reach += max(max(left.u_max, -left.u_min), max(right.u_max, -right.u_min))
     fastest += max(left.fastest, right.fastest)
@@ -112,7 +130,8 @@ def _largest_of_terms(dofs, terms, el):
     """Return the largest displacement [m] and speed [m/s] of the further terms of an element."""
     reach = fastest = 0.0
     for x in range(el.first, el.last):
-        d, size = dofs[terms[x].dof], abs(terms[x].weight)
+        d = dofs[terms[x].dof]
+        size = abs(terms[x].weight)
         reach += size * max(d.u_max, -d.u_min)
         fastest += size * d.fastest
     return reach, fastest
@@ -121,34 +140,46 @@ def _largest_of_terms(dofs, terms, el):
 @njit(**PART)
 def ends_of_elements(dofs, elements, terms, r):
     """Deformation and rate of every element at the step's end, exactly zero where floors differ by rounding."""
-    first_line, end_of_lines, has_lines = r.n + r.drags, r.n + r.drags + r.lines, r.lines > 0
+    first_line = r.n + r.drags
+    end_of_lines = r.n + r.drags + r.lines
+    has_lines = r.lines > 0
     for e in range(r.m):
         el = elements[e]
         if first_line <= e < end_of_lines:
             _end_of_line(elements, el)
             continue
-        left, right = dofs[el.left], dofs[el.right]
-        v, of_v = left.u1 - el.offset - el.hold * right.u1, abs(left.u1 - el.offset) + abs(el.hold * right.u1)
-        rate, of_rate = left.v1 - el.hold * right.v1, abs(left.v1) + abs(el.hold * right.v1)
+        left = dofs[el.left]
+        right = dofs[el.right]
+        v = left.u1 - el.offset - el.hold * right.u1
+        of_v = abs(left.u1 - el.offset) + abs(el.hold * right.u1)
+        rate = left.v1 - el.hold * right.v1
+        of_rate = abs(left.v1) + abs(el.hold * right.v1)
         for x in range(el.first, el.last):
-            u, w = terms[x].weight * dofs[terms[x].dof].u1, terms[x].weight * dofs[terms[x].dof].v1
-            v, of_v = v + u, of_v + abs(u)
-            rate, of_rate = rate + w, of_rate + abs(w)
+            u = terms[x].weight * dofs[terms[x].dof].u1
+            w = terms[x].weight * dofs[terms[x].dof].v1
+            v = v + u
+            of_v = of_v + abs(u)
+            rate = rate + w
+            of_rate = of_rate + abs(w)
         if el.drifts == 0 and (
             abs(v) < NEAR_ZERO or abs(rate) < NEAR_ZERO
         ):  # what floors have come to stays in their sums
             reach, fastest = _largest_of_terms(dofs, terms, el)
             of_v = max(of_v, max(left.u_max, -left.u_min) + reach)
             of_rate = max(of_rate, left.fastest + fastest)
-        el.v1, el.r1 = zero_if_rounding(v, of_v, LAST_DIGITS), zero_if_rounding(rate, of_rate, LAST_DIGITS)
+        el.v1 = zero_if_rounding(v, of_v, LAST_DIGITS)
+        el.r1 = zero_if_rounding(rate, of_rate, LAST_DIGITS)
         if has_lines and el.twists:
-            el.size_v, el.size_r = of_v, of_rate
+            el.size_v = of_v
+            el.size_r = of_rate
 
 
 @njit(**CALLED)
 def end_at(dofs, elements, terms, r):
     """Replace the values at s = 1 by those at run.end, where an event was found."""
-    h, s, count = r.h, r.end, r.order + 1
+    h = r.h
+    s = r.end
+    count = r.order + 1
     p = r.p
     p[0] = 1.0
     for k in range(1, count):
@@ -161,7 +192,9 @@ def end_at(dofs, elements, terms, r):
             u += w * INVERSE[k + 1]
             v += w
             a += w * FLOAT[k]
-        d.u1, d.v1, d.a1 = d.u0 + h * s * u, v, d.a0
+        d.u1 = d.u0 + h * s * u
+        d.v1 = v
+        d.a1 = d.a0
         if s > 0.0:
             d.a1 = a / (h * s) + d.felt * r.g0 + d.felt * r.g1 * s
     ends_of_elements(dofs, elements, terms, r)
@@ -170,14 +203,19 @@ def end_at(dofs, elements, terms, r):
 @njit(**CALLED)
 def rate_series(dofs, elements, terms, r, e):
     """Coefficients of the rate of element e, into r.p."""
-    el, count = elements[e], r.order + 1
-    left, right, p = dofs[el.left].w, dofs[el.right].w, r.p
+    el = elements[e]
+    count = r.order + 1
+    left = dofs[el.left].w
+    right = dofs[el.right].w
+    p = r.p
     rounding = LAST_OF_FIT if r.smooth else LAST_DIGITS
     for k in range(count):
-        total, size = left[k] - el.hold * right[k], abs(left[k]) + abs(el.hold * right[k])
+        total = left[k] - el.hold * right[k]
+        size = abs(left[k]) + abs(el.hold * right[k])
         for x in range(el.first, el.last):
             part = terms[x].weight * dofs[terms[x].dof].w[k]
-            total, size = total + part, size + abs(part)
+            total = total + part
+            size = size + abs(part)
         p[k] = zero_if_rounding(total, size, rounding)
     if el.pinned >= RATE or el.r0 == 0.0:
         p[0] = el.r0
@@ -188,7 +226,8 @@ def rate_series(dofs, elements, terms, r, e):
 @njit(**PART)
 def integral(r, side, first):
     """`side` times the integral of r.p over the time of the step, with the value `first` at the start; its degree."""
-    p, n = r.p, r.order + 1
+    p = r.p
+    n = r.order + 1
     for k in range(n, 0, -1):
         p[k] = side * p[k - 1] * r.h * INVERSE[k]
     p[0] = first
@@ -198,7 +237,8 @@ def integral(r, side, first):
 @njit(**PART)
 def _until_guard(el, r, s, guard):
     """From the rate of an element in r.p what is positive until it meets the guard; returns its degree."""
-    p, n = r.p, r.order
+    p = r.p
+    n = r.order
     if guard == LOW:
         return integral(r, 1.0, el.v0 - el.low)
     if guard == HIGH:
@@ -263,7 +303,8 @@ def _may_meet(el, guard, is_link):
     """Whether an element has this guard, and bounds do not show that it stays away from it."""
     if guard == LOW or guard == HIGH:
         at, side = (el.low, 1.0) if guard == LOW else (el.high, -1.0)
-        first, last = side * (el.v0 - at), side * (el.v1 - at)
+        first = side * (el.v0 - at)
+        last = side * (el.v1 - at)
         if is_link and el.stuck >= 2 and el.pinned == VALUE and el.exact == at:
             return False
         is_monotone = abs(last - first) > 4.0 * el.dv  # then it may begin where the branch begins
@@ -286,7 +327,8 @@ def _moves_by_rounding(dofs, terms, el, r):
     """Whether a link, whose rate stands in r.p, moves in this step by no more than the last digits of its floors: such
     floors would strike each other without end."""
     reach, fastest = _largest_of_ends(dofs, terms, el)
-    least_v, least_rate = LAST_DIGITS * reach, LAST_DIGITS * fastest
+    least_v = LAST_DIGITS * reach
+    least_rate = LAST_DIGITS * fastest
     if abs(el.v0) > least_v or abs(el.r0) > least_rate:
         return False
     if r.smooth:  # the polynomials of a step by DOP853 multiply rounding on their way
@@ -330,9 +372,11 @@ def first_event(dofs, elements, terms, r, series):
                 if el.eased and r.still:
                     at = max(at, FROM_REST)
                 if at < el.at:
-                    el.at, el.guard = at, guard
+                    el.at = at
+                    el.guard = guard
         if el.at < r.end:
-            r.end, found = el.at, True
+            r.end = el.at
+            found = True
     return found
 
 
@@ -360,7 +404,8 @@ def commit(dofs, elements, terms, r, series):
             if el.least > -TOUCH and was_open and el.closed:
                 el.time = r.time - r.begun
             elif not el.closed and el.least > -TOUCH and el.peak_v < TOUCH:
-                el.time, el.hits = 0.0, 0
+                el.time = 0.0
+                el.hits = 0
             el.stuck += 1
             r.events += 1
     if r.lines:
@@ -395,7 +440,8 @@ def _pin(el, end):
 @njit(**CALLED)
 def list_active(elements, r, series):
     """List the links whose force is not zero, and see whether a step has to be taken by DOP853."""
-    r.active, r.smooth = 0, r.always_smooth
+    r.active = 0
+    r.smooth = r.always_smooth
     for e in range(r.m):
         el = elements[e]
         if el.smooth:
@@ -413,13 +459,16 @@ def gather_lines(elements, r):
     for i in range(r.n):
         el = elements[i]
         if el.twists:
-            el.k, el.c = el.p[0], el.p[1]
+            el.k = el.p[0]
+            el.c = el.p[1]
             el.f0 = el.coupled_k = el.coupled_c = 0.0
     for e in range(r.n + r.drags, r.n + r.drags + r.lines):
         el = elements[e]
         if el.smooth:
             continue
-        storey, mate, lever = elements[el.storey], elements[el.mate], el.lever
+        storey = elements[el.storey]
+        mate = elements[el.mate]
+        lever = el.lever
         if el.along != 0.0:
             storey.k += el.k
             storey.c += el.c

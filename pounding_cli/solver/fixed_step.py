@@ -26,7 +26,8 @@ from pounding_cli.solver.series import push, push_by_storey
 BRANCHES = 8
 """Branches that an element passes in a step, at most."""
 
-ITERATIONS, CONVERGED = 25, 1e-11
+ITERATIONS = 25
+CONVERGED = 1e-11
 """Of Newton's method in a step: most, and the part of the forces that may be left."""
 
 SHORTEST = 1.0 / 1024.0
@@ -91,10 +92,14 @@ def _end(dofs, elements, terms, r, columns, room, h):
     r.steps += 1
     for i in range(r.n):
         d = dofs[i]
-        d.u_max, d.u_min, d.a_max = max(d.u_max, d.u1), min(d.u_min, d.u1), max(d.a_max, abs(d.a1))
+        d.u_max = max(d.u_max, d.u1)
+        d.u_min = min(d.u_min, d.u1)
+        d.a_max = max(d.a_max, abs(d.a1))
         if not abs(d.u1) < 1e300:
             r.status = NOT_FINITE
-        d.u0, d.w[0], d.a0 = d.u1, d.v1, d.a1
+        d.u0 = d.u1
+        d.w[0] = d.v1
+        d.a0 = d.a1
     for e in range(r.m):
         el = elements[e]
         el.peak_v = max(el.peak_v, abs(el.v1) if el.drifts else el.v1)
@@ -107,7 +112,8 @@ def _end(dofs, elements, terms, r, columns, room, h):
             el.peak_f = max(el.peak_f, abs(f))
             el.impulse += f * h
             el.time += h
-        el.v0, el.r0 = el.v1, el.r1
+        el.v0 = el.v1
+        el.r0 = el.r1
     for c in range(r.columns):
         column = columns[c]
         el = elements[column.storey]
@@ -145,14 +151,16 @@ def _central_difference(dofs, elements, terms, r, room, half, h, ground, first):
 @njit(**PART)
 def _slopes(el, formula):
     """dF/dv [N/m] and dF/dv' [N s/m] of an element at the end of the step."""
-    k, c = el.k - el.load, el.c
+    k = el.k - el.load
+    c = el.c
     if el.cubic != 0.0:
         root = math.sqrt(el.k + 3.0 * el.cubic * el.v1 * el.v1)
         k += 3.0 * el.cubic * el.v1 * el.v1 + el.root * 3.0 * el.cubic * el.v1 * el.r1 / root
         c += el.root * root
     if el.smooth:
         f = smooth_force(el, el.v1, el.r1, formula)
-        dv, dr = NEAR * max(abs(el.v1), NEAR), NEAR * max(abs(el.r1), NEAR)
+        dv = NEAR * max(abs(el.v1), NEAR)
+        dr = NEAR * max(abs(el.r1), NEAR)
         k += (smooth_force(el, el.v1 + dv, el.r1, formula) - f) / dv
         c += (smooth_force(el, el.v1, el.r1 + dr, formula) - f) / dr
     return k, c
@@ -176,7 +184,9 @@ def _matrix(dofs, elements, r, room, h, shape):
 @njit(**PART)
 def _newmark(dofs, elements, terms, r, room, memory, shape, h, ground):
     """The average acceleration, by Newton's method; whether it found a root."""
-    n, missing, kept = r.n, np.zeros(r.n), memory.copy()
+    n = r.n
+    missing = np.zeros(r.n)
+    kept = memory.copy()
     for i in range(n):  # as a first guess the acceleration stays
         dofs[i].a1 = dofs[i].a0 - dofs[i].loaded * (r.g0 - ground)
     for _ in range(ITERATIONS):
@@ -192,7 +202,8 @@ def _newmark(dofs, elements, terms, r, room, memory, shape, h, ground):
             d = dofs[i]
             inertia = d.mass * (d.a1 - d.loaded * ground)
             missing[i] = -(inertia + d.push) if d.inv_mass > 0.0 else 0.0
-            left, most = max(left, abs(missing[i])), max(most, max(abs(inertia), abs(d.push)))
+            left = max(left, abs(missing[i]))
+            most = max(most, max(abs(inertia), abs(d.push)))
         if left <= CONVERGED * most:
             return True
         if not most < 1e300:
@@ -223,7 +234,8 @@ def march(dofs, elements, terms, run, series, columns, room, ground, slopes, mem
     forces(dofs, elements, terms, r, room, r.g0)
     for i in range(r.n):
         dofs[i].a0 = -dofs[i].push * dofs[i].inv_mass + dofs[i].loaded * r.g0
-    whole, first = r.dt / parts, True
+    whole = r.dt / parts
+    first = True
     for segment in range(ground.size):
         elapsed = 0.0
         h = whole
@@ -261,16 +273,23 @@ def central_difference_limit(layout: Layout, elements: np.ndarray, links: Sequen
     2 (sqrt(1 + 4 xi^2) - 2 xi) / omega in every mode; 2 / omega without damping. With u_n and the half-step velocity
     alternating in sign (amplification -1) the scheme gives (h omega)^2 + 8 xi h omega = 4.
     """
-    rows, mass, n = term_matrix(layout), layout.dofs["mass"], layout.number
-    k, c = np.zeros(len(rows)), np.zeros(len(rows))
-    k[:n], c[:n] = elements["p"][:n, 0], elements["c"][:n]
-    drags, lines = slice(n, layout.of_lines.start), layout.of_lines
+    rows = term_matrix(layout)
+    mass = layout.dofs["mass"]
+    n = layout.number
+    k = np.zeros(len(rows))
+    c = np.zeros(len(rows))
+    k[:n] = elements["p"][:n, 0]
+    c[:n] = elements["c"][:n]
+    drags = slice(n, layout.of_lines.start)
+    lines = layout.of_lines
     c[drags] = elements["p"][drags, 1]
-    k[lines], c[lines] = elements["p"][lines, 0], elements["c"][lines]
+    k[lines] = elements["p"][lines, 0]
+    c[lines] = elements["c"][lines]
     for place, link in enumerate(links, layout.of_links.start):
         k[place], c[place] = link.law.max_slopes
         c[place] = max(c[place], elements["p"][place, 1] if link.law.joins else 0.0)
-    stiffness, damping = rows.T @ (k[:, None] * rows), rows.T @ (c[:, None] * rows)
+    stiffness = rows.T @ (k[:, None] * rows)
+    damping = rows.T @ (c[:, None] * rows)
     damping[np.diag_indices(n)] += layout.dofs["drag"] * mass
     inverse = np.sqrt(layout.dofs["inv_mass"])
     squares, shapes = np.linalg.eigh(stiffness * np.outer(inverse, inverse))

@@ -100,14 +100,21 @@ def _ground(scene: Scene, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _evaluated(run: SceneRun) -> History:
     """What is wanted, from what a run kept."""
-    scene, layout, watch = run.scenes[0], run.layout, run.data.watch
+    scene = run.scenes[0]
+    layout = run.layout
+    watch = run.data.watch
     kept = slice(0, int(run.data.run["output"][0]))  # a collapse ends it before the last time
     if int(run.data.run["status"][0]) == records.COLLAPSED:
         kept = slice(0, int(np.searchsorted(watch.times, float(run.data.run["time"][0]) * (1 - 1e-12))))
-    times, dofs, elements, energy = watch.times[kept], watch.dofs[kept], watch.elements[kept], watch.energy[kept]
+    times = watch.times[kept]
+    dofs = watch.dofs[kept]
+    elements = watch.elements[kept]
+    energy = watch.energy[kept]
     ground, moved = _ground(scene, times)
-    u, n = dofs[..., 0], layout.number
-    deformation, force = elements[:, :n, 0], elements[:, :n, 1]
+    u = dofs[..., 0]
+    n = layout.number
+    deformation = elements[:, :n, 0]
+    force = elements[:, :n, 1]
     stored, yielding = stored_in_storeys(layout, deformation, force, u)
     lines = elements[:, layout.of_lines]
     in_lines, in_yielding_lines = stored_in_lines(layout, lines[..., 0], lines[..., 1])

@@ -69,14 +69,18 @@ def peaks_of(layout: Layout, data: Data, scenes: Sequence[Scene], drift_at_rest:
     _put_lines(peaks, layout, data, drift_at_rest)
     peaks["collapse_storey"] = 0.0
     links = data.elements[:, layout.of_links]
-    peaks["impacts"], peaks["peak_force"], peaks["impulse"] = links["hits"], links["peak_f"], links["impulse"]
+    peaks["impacts"] = links["hits"]
+    peaks["peak_force"] = links["peak_f"]
+    peaks["impulse"] = links["impulse"]
     peaks["max_closing"] = closings_of(layout, links["peak_v"], links["offset"])
     closes = [[link.law.can_act for link in scene.links] for scene in scenes]
     peaks["contact_time"] = np.where(closes, links["time"], 0.0)
     for k, struck in enumerate(layout.struck):
-        below, above = data.columns["peak"][:, 2 * k], data.columns["peak"][:, 2 * k + 1]
+        below = data.columns["peak"][:, 2 * k]
+        above = data.columns["peak"][:, 2 * k + 1]
         strength = struck.share * layout.buildings[struck.building].yield_shear[struck.storey - 1]
-        peaks["shear_below"][:, struck.link], peaks["shear_above"][:, struck.link] = below, above
+        peaks["shear_below"][:, struck.link] = below
+        peaks["shear_above"][:, struck.link] = above
         if np.isfinite(strength):
             peaks["demand"][:, struck.link] = np.maximum(below, above) / strength
     return peaks
@@ -90,14 +94,16 @@ def closings_of(layout: Layout, deformation: np.ndarray, offset: np.ndarray) -> 
 
 def _put_building(peaks: np.ndarray, b: int, layout: Layout, data: Data, drift_at_rest: np.ndarray) -> None:
     """Enter the peaks of a building; a wall does not yield, and one that moves as the ground does has none."""
-    building, reach = layout.buildings[b], np.maximum(data.dofs["u_max"], -data.dofs["u_min"])
+    building = layout.buildings[b]
+    reach = np.maximum(data.dofs["u_max"], -data.dofs["u_min"])
     for name, place in (("sway", layout.bases[b]), ("rocking", layout.feet[b])):
         peaks[name][:, b] = reach[:, place] if place >= 0 else 0.0
     if building.foundation is not None and building.foundation.isolation is not None:
         peaks["isolator_displacement"][:, b] = peaks["sway"][:, b]
     if isinstance(building, Wall) and not building.moves:
         return
-    storeys, floors = data.elements[:, layout.floors[b]], data.dofs[:, layout.floors[b]]
+    storeys = data.elements[:, layout.floors[b]]
+    floors = data.dofs[:, layout.floors[b]]
     drift = storeys["peak_v"]
     found = (
         np.where(storeys["yields"] > 0, storeys["peak_f"], building.stiffness * drift), drift,
@@ -117,7 +123,8 @@ def _put_lines(peaks: np.ndarray, layout: Layout, data: Data, drift_at_rest: np.
     for b in layout.sums:
         peaks["ductility"][:, b, : layout.buildings[b].storeys] = 0.0
     for place, (b, storey, number) in enumerate(layout.lines):
-        plan, e = layout.buildings[b].plan, elements[:, place]
+        plan = layout.buildings[b].plan
+        e = elements[:, place]
         assert plan is not None
         line = plan.all_lines[number]
         elastic = line.stiffness[storey] * e["peak_v"]
@@ -187,12 +194,17 @@ def balance(layout: Layout, data: Data, scenes: Sequence[Scene], before: float =
     kinetic, stored, links_stored : held at the end
     damping, hysteresis, links : dissipated by structural and foundation dashpots, by yielding storeys, by the links
     """
-    dofs, elements, r, n = data.dofs, data.elements, data.run, layout.number
-    storeys, of_links = elements[:, :n], elements[:, layout.of_links]
+    dofs = data.dofs
+    elements = data.elements
+    r = data.run
+    n = layout.number
+    storeys = elements[:, :n]
+    of_links = elements[:, layout.of_links]
     stored, yielding = stored_in_storeys(layout, storeys["v1"], forces_now(storeys), dofs["u0"])
     lines = elements[:, layout.of_lines]
     in_lines, in_yielding_lines = stored_in_lines(layout, lines["v1"], forces_now(lines))
-    in_links, drags = _stored_in_links(scenes, of_links), elements["work"][:, n : layout.of_lines.start]
+    in_links = _stored_in_links(scenes, of_links)
+    drags = elements["work"][:, n : layout.of_lines.start]
     entries = {
         "input": r["input"] + before,
         "kinetic": 0.5 * (dofs["mass"] * dofs["w"][..., 0] ** 2).sum(axis=1),
@@ -218,7 +230,8 @@ def _held_at_peaks(storeys: np.ndarray) -> np.ndarray:
 
 def forces_now(storeys: np.ndarray) -> np.ndarray:
     """Forces of storeys at the end of a run, without dashpots [N]."""
-    p, z = storeys["p"], storeys["h"][..., 0]
+    p = storeys["p"]
+    z = storeys["h"][..., 0]
     smooth = (1.0 - p[..., 2]) * p[..., 0] * p[..., 1] * z  # of Bouc-Wen, the one law of storeys that is smooth
     return storeys["k"] * storeys["v1"] + storeys["f0"] + np.where(storeys["smooth"] > 0, smooth, 0.0)
 
@@ -309,7 +322,8 @@ def flags_of_passing_floors(scene: Scene, peaks: np.void) -> list[Flag]:
     for link, closing in zip(scene.links, peaks["max_closing"].tolist(), strict=True):
         if not link.law.subtracts_gap:
             continue
-        left, right = scene.buildings[link.left], scene.buildings[link.left + 1]
+        left = scene.buildings[link.left]
+        right = scene.buildings[link.left + 1]
         ends = ((left, link.left_floor), (right, link.right_floor))
         frames = [(building, floor) for building, floor in ends if not isinstance(building, Wall)]
         heights = [float(building.height[max(floor - 1, 0)]) for building, floor in frames]

@@ -29,7 +29,8 @@ def raise_peaks(dofs, elements, terms, r, series, columns):
     for i in range(r.n):
         d = dofs[i]
         if max(d.u0, d.u1) + d.du > d.u_max or min(d.u0, d.u1) - d.du < d.u_min:
-            d.u_max, d.u_min = max(d.u_max, d.u0, d.u1), min(d.u_min, d.u0, d.u1)
+            d.u_max = max(d.u_max, d.u0, d.u1)
+            d.u_min = min(d.u_min, d.u0, d.u1)
             if not _keeps_sign(d.w[0], d.v1, d.dv):
                 if max(d.u0, d.u1) + d.du > d.u_max:
                     d.u_max = _displacement_peak(d, r, 1.0, d.u_max)
@@ -61,7 +62,9 @@ def raise_peaks(dofs, elements, terms, r, series, columns):
             continue
         mate = elements[el.mate]
         if column.is_sum and not r.smooth:
-            one, other, constant = el.k, el.coupled_k, el.f0
+            one = el.k
+            other = el.coupled_k
+            constant = el.f0
             column.peak, rises = _ends_of_pair(el, mate, one, other, constant, column.peak)
             if rises:
                 column.peak = _peak_of_pair(dofs, elements, terms, r, el, one, other, constant, column.peak)
@@ -82,9 +85,11 @@ def _ends_rise(el, storey):
     of the step; whether it may rise above them inside."""
     first, last = (abs(el.v0), abs(el.v1)) if storey else (el.v0, el.v1)
     rises = max(first, last) + el.dv > el.peak_v
-    el.peak_v, el.least = max(el.peak_v, first, last), min(el.least, el.v1)
+    el.peak_v = max(el.peak_v, first, last)
+    el.least = min(el.least, el.v1)
     if storey and el.yields and not el.smooth:
-        first, last = abs(el.k * el.v0 + el.f0), abs(el.k * el.v1 + el.f0)
+        first = abs(el.k * el.v0 + el.f0)
+        last = abs(el.k * el.v1 + el.f0)
         rises = rises or max(first, last) + abs(el.k) * el.dv > el.peak_f
         el.peak_f = max(el.peak_f, first, last)
     return rises and not _keeps_sign(el.r0, el.r1, el.dr)
@@ -105,7 +110,8 @@ def _deformation_peaks(el, r, storey):
 @njit(**CALLED)
 def _displacement_peak(d, r, side, peak):
     """Largest displacement inside the step, times `side`."""
-    p, absolute = r.p, r.h < 0.0
+    p = r.p
+    absolute = r.h < 0.0
     p[0] = side * d.u0
     for k in range(r.order + 1):
         p[k + 1] = side * d.w[k] * r.h * INVERSE[k + 1]
@@ -115,7 +121,8 @@ def _displacement_peak(d, r, side, peak):
 @njit(**CALLED)
 def _acceleration_peak(d, r):
     """Largest |total acceleration| inside the step."""
-    p, absolute = r.p, r.h > 0.0
+    p = r.p
+    absolute = r.h > 0.0
     for k in range(r.order):
         p[k] = (k + 1) / r.h * d.w[k + 1]
     p[0] += r.g0
@@ -126,7 +133,10 @@ def _acceleration_peak(d, r):
 @njit(**CALLED)
 def _force_peak(el, r, s):
     """Largest |force|, impulse and time of an element that acts."""
-    first, deviation, last, impulse = s.f[0], 0.0, 0.0, 0.0
+    first = s.f[0]
+    deviation = 0.0
+    last = 0.0
+    impulse = 0.0
     for k in range(r.order - 1, -1, -1):
         f = s.f[k]
         last = last * r.end + f
@@ -141,7 +151,8 @@ def _force_peak(el, r, s):
     if max(abs(first), abs(last)) + deviation > el.peak_f:
         el.peak_f = max(el.peak_f, abs(first), abs(last))
         if _may_turn(first, last, deviation):
-            p, absolute = r.p, r.h > 0.0
+            p = r.p
+            absolute = r.h > 0.0
             for k in range(r.order):
                 p[k] = s.f[k]
             el.peak_f = highest(r, r.order - 1, r.end, el.peak_f, absolute)
@@ -150,7 +161,9 @@ def _force_peak(el, r, s):
 @njit(**CALLED)
 def _column_peak(dofs, elements, terms, r, series, column):
     """Largest |shear| in struck columns: their share of the storey's, and what blows on them add at that end."""
-    el, p, absolute = elements[column.storey], r.p, r.h > 0.0
+    el = elements[column.storey]
+    p = r.p
+    absolute = r.h > 0.0
     if el.smooth:
         s = series[el.row]
         n = r.order
@@ -184,11 +197,13 @@ def _adds_force(el):
 def _ends_of_pair(el, mate, one, other, constant, peak):
     """Raise the largest |one x drift + other x twist + constant| of a storey whose floors twist to the step's ends;
     return it, and whether it may rise above them inside."""
-    first, last = one * el.v0 + other * mate.v0 + constant, one * el.v1 + other * mate.v1 + constant
+    first = one * el.v0 + other * mate.v0 + constant
+    last = one * el.v1 + other * mate.v1 + constant
     rises = max(abs(first), abs(last)) + abs(one) * el.dv + abs(other) * mate.dv > peak
     if rises:
         peak = max(peak, abs(first), abs(last))
-        rate, last_rate = one * el.r0 + other * mate.r0, one * el.r1 + other * mate.r1
+        rate = one * el.r0 + other * mate.r0
+        last_rate = one * el.r1 + other * mate.r1
         rises = not _keeps_sign(rate, last_rate, abs(one) * el.dr + abs(other) * mate.dr)
     return peak, rises
 
@@ -196,7 +211,8 @@ def _ends_of_pair(el, mate, one, other, constant, peak):
 @njit(**CALLED)
 def _pair_series(dofs, elements, terms, r, el, one, other, constant):
     """Coefficients of one x drift + other x twist + constant of a storey, into r.p; returns their degree."""
-    p, at = r.p, np.int64(SLOPE)
+    p = r.p
+    at = np.int64(SLOPE)
     start = one * el.v0 + other * elements[el.mate].v0 + constant
     rate_series(dofs, elements, terms, r, np.int64(elements[el.mate].mate))
     for k in range(r.order + 1):
@@ -219,7 +235,9 @@ def _peak_of_pair(dofs, elements, terms, r, el, one, other, constant, peak):
 def _shear_peak(dofs, elements, terms, r, series, column):
     """Largest |shear| of a storey whose floors twist, or of its struck columns: straight in drift and twist but for
     forces of links and of lines whose force is smooth."""
-    el, share, absolute = elements[column.storey], column.share, r.h > 0.0
+    el = elements[column.storey]
+    share = column.share
+    absolute = r.h > 0.0
     n = _pair_series(dofs, elements, terms, r, el, share * el.k, share * el.coupled_k, share * el.f0)
     _add_forces(elements, terms, r, series, column)
     column.peak = highest(r, n, r.end, column.peak, absolute)

@@ -16,7 +16,8 @@ NEVER = 2.0
 SLOPE = ORDERS + 8
 """Place in r.p of the derivative's coefficients."""
 
-LAST, NEAR = 3e-16, 1e-7
+LAST = 3e-16
+NEAR = 1e-7
 """Part by which a root is found at last: a crossing to the last digit; a turn, whose value moves by the square."""
 
 
@@ -36,15 +37,23 @@ def first_crossing(r, n, end):
     Leading coefficients that are exactly zero mean "zero at the start": the sign of the first one that is not decides,
     so a start from rest on the boundary is settled by the first derivative that does not vanish.
     """
-    p, first = r.p, 0
+    p = r.p
+    first = 0
     while first <= n and p[first] == 0.0:
         first += 1
     if first > n:
         return NEVER
     if p[first] < 0.0:
         return 0.0
-    start, start_slope = p[first], (p[first + 1] if first < n else 0.0)
-    last, last_slope, bound, bend, size, power, j = start, 0.0, 0.0, 0.0, start, 1.0, 0.0
+    start = p[first]
+    start_slope = p[first + 1] if first < n else 0.0
+    last = start
+    last_slope = 0.0
+    bound = 0.0
+    bend = 0.0
+    size = start
+    power = 1.0
+    j = 0.0
     for k in range(first + 1, n + 1):  # p / s^first: values and slopes at `end`, bounds of the next two derivatives
         j += 1.0
         sloped = j * p[k] * power
@@ -65,9 +74,12 @@ def first_crossing(r, n, end):
 def _bracketed(r, first, last, low, high, at_low, at_high, near):
     """A root of the polynomial r.p[first] to r.p[last] between `low`, where it is `at_low`, and `high`, where it is
     `at_high` of the other sign or 0: Newton kept inside the bracket, until it moves by less than the part `near`."""
-    p, s, rising = r.p, low + (high - low) * at_low / (at_low - at_high), at_low < 0.0
+    p = r.p
+    s = low + (high - low) * at_low / (at_low - at_high)
+    rising = at_low < 0.0
     for _ in range(100):
-        total, slope = p[last], 0.0
+        total = p[last]
+        slope = 0.0
         for k in range(last - 1, first - 1, -1):
             slope = slope * s + total
             total = total * s + p[k]
@@ -78,7 +90,8 @@ def _bracketed(r, first, last, low, high, at_low, at_high, near):
         new = s - total / slope if slope != 0.0 else low
         if not low <= new <= high:
             new = 0.5 * (low + high)
-        moved, s = abs(new - s), new
+        moved = abs(new - s)
+        s = new
         if moved <= near * s:
             break
     return s
@@ -87,9 +100,12 @@ def _bracketed(r, first, last, low, high, at_low, at_high, near):
 @njit(**CALLED)
 def _march(r, first, n, end, bound, floor, last):
     """The first root by steps that never pass one, with |p''| <= bound; the sign at `end` decides if they get short."""
-    p, s, total = r.p, 0.0, floor
+    p = r.p
+    s = 0.0
+    total = floor
     for _ in range(400):
-        total, slope = p[n], 0.0
+        total = p[n]
+        slope = 0.0
         for k in range(n - 1, first - 1, -1):
             slope = slope * s + total
             total = total * s + p[k]
@@ -119,8 +135,14 @@ def highest(r, n, end, best, absolute):
     Nothing is searched that a bound excludes: all of p below `best`, a slope that keeps its sign, a slope that is
     monotone (then it has one zero at most).
     """
-    p, q = r.p, np.int64(SLOPE)
-    bound, last, slope, bent, bend, power = 0.0, p[0], 0.0, 0.0, 0.0, 1.0
+    p = r.p
+    q = np.int64(SLOPE)
+    bound = 0.0
+    last = p[0]
+    slope = 0.0
+    bent = 0.0
+    bend = 0.0
+    power = 1.0
     for k in range(1, n + 1):
         sloped = k * p[k]
         p[q + k - 1] = sloped
@@ -144,10 +166,12 @@ def highest(r, n, end, best, absolute):
         return best
     pieces = 1 if 2.0 * abs(p[2]) * end > bend else PIECES  # p'' keeps its sign: |p''(s) - p''(0)| < |p''(0)|
     rise = bent * end / (8.0 * pieces * pieces)  # of p above the chord of a piece, at most
-    low, left = 0.0, p[0]
+    low = 0.0
+    left = p[0]
     for piece in range(1, pieces + 1):
         high = end * piece / pieces
-        right, after = value(p, n, high), value(p, n - 1, high, q)
+        right = value(p, n, high)
+        after = value(p, n - 1, high, q)
         reach = max(abs(left), abs(right)) if absolute else max(left, right)
         best = max(best, reach)
         if first == 0.0:  # look behind the turn that the piece begins with
@@ -155,5 +179,7 @@ def highest(r, n, end, best, absolute):
         if first * after < 0.0 and reach + rise > best:
             found = value(p, n, _bracketed(r, q, q + n - 1, low, high, first, after, NEAR))
             best = max(best, abs(found) if absolute else found)
-        low, left, first = high, right, after
+        low = high
+        left = right
+        first = after
     return best

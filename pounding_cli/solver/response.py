@@ -15,7 +15,8 @@ from pounding_cli.numbers import pluralize
 if TYPE_CHECKING:
     from pounding_cli.model.effects import DroppedEffect
 
-DONE, COLLAPSED = "done", "collapsed"
+DONE = "done"
+COLLAPSED = "collapsed"
 """The outcomes of runs that tell something of their scene."""
 
 OUTCOMES = (DONE, COLLAPSED)

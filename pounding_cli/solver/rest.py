@@ -98,9 +98,11 @@ class Rest:
 def find_rest(run: SceneRun, is_done: np.ndarray) -> Rest:
     """Find the drifts at rest of those scenes of a run that came to the end of their motion (`is_done`): 0 without any
     cost where nothing holds a storey away from where it was, else where they are asked for."""
-    layout, links = run.layout, run.data.elements[:, run.layout.of_links]
+    layout = run.layout
+    links = run.data.elements[:, run.layout.of_links]
     first_link = layout.of_links.start
-    offsets, peaks = links["offset"], run.data.elements["peak_v"][:, :first_link].copy()
+    offsets = links["offset"]
+    peaks = run.data.elements["peak_v"][:, :first_link].copy()
     rest = Rest(np.full(peaks.shape, np.nan), [""] * len(run.scenes), closings_of(layout, links["peak_v"], offsets))
     is_asked = np.array([scene.residual_drift for scene in run.scenes], bool) & is_done
     if not _has_memory(layout, run.scenes[0]):
@@ -278,7 +280,8 @@ class _State:
 
     def _put_lines(self) -> None:
         """Enter stiffness [N/m] and offset [N] of every element, straight lines in place of curved forces."""
-        e, n = self.data.elements, self.layout.number
+        e = self.data.elements
+        n = self.layout.number
         self.k = np.where(e["acts"] > 0, e["k"], 0.0)
         self.f0 = np.where(e["acts"] > 0, e["f0"], 0.0)
         self.k[:, n : self.layout.of_lines.start] = 0.0
@@ -325,7 +328,9 @@ class _State:
         """Find the equilibrium, with the contacts that are pressed and without the others."""
         shape = _shape_of(self.layout)
         acts = ~self.is_contact | self.is_pressed
-        k, f0, offset = np.where(acts, self.k, 0.0), np.where(acts, self.f0, 0.0), self.data.elements["offset"]
+        k = np.where(acts, self.k, 0.0)
+        f0 = np.where(acts, self.f0, 0.0)
+        offset = self.data.elements["offset"]
         self.whole_matrix = _stiffness_matrix(self.layout, k)
         self.matrix = _hold(self.whole_matrix, self.is_still, 1.0)
         place = np.where(self.is_held, self.data.dofs["u0"], 0.0)  # of what does not move
@@ -341,7 +346,8 @@ class _State:
 
     def _bound(self) -> None:
         """Find how far the energy that is left takes every element, and the force on every held base."""
-        shape, dofs = _shape_of(self.layout), self.data.dofs
+        shape = _shape_of(self.layout)
+        dofs = self.data.dofs
         away = dofs["u0"] - self.displacement
         energy = 0.5 * (dofs["mass"] * dofs["w"][:, :, 0] ** 2).sum(axis=1)
         energy += 0.5 * np.einsum("si,sij,sj->s", away, self.matrix, away) + self._stored_beside()
@@ -360,7 +366,8 @@ class _State:
         It is linear in displacements, velocities and forces of Maxwell dampers, whose squares make up the energy; the
         forces of contacts that may close, and of links whose forces are curved, come on top of it.
         """
-        shape, e = _shape_of(self.layout), self.data.elements
+        shape = _shape_of(self.layout)
+        e = self.data.elements
         inverse_mass = np.where(self.is_still, 0.0, self.layout.dofs["inv_mass"])
         slopes = np.where(self.is_still[:, None, :], 0.0, self.whole_matrix)
         squares = np.einsum("sij,sjk,sik->si", slopes, inverse, slopes)
@@ -383,7 +390,8 @@ class _State:
 
         rate : largest rate [m/s]
         """
-        rest, reach = float(self.drift[row, place]), float(self.reach[row, place])
+        rest = float(self.drift[row, place])
+        reach = float(self.reach[row, place])
         element = self.data.elements.view(np.recarray)[row, place]
         if self.is_contact[row, place]:
             law = self.scenes[row].links[place - self.layout.of_links.start].law
@@ -398,7 +406,9 @@ class _State:
 
     def _dashpots(self) -> np.ndarray:
         """Return the dashpots of all elements that act [N s/m], shape (scenes, elements)."""
-        e, n, first_line = self.data.elements, self.layout.number, self.layout.of_lines.start
+        e = self.data.elements
+        n = self.layout.number
+        first_line = self.layout.of_lines.start
         is_open = self.is_contact & ~self.is_pressed
         c = np.where(is_open, 0.0, e["c"])
         c = np.where(e["twists"] > 0, e["p"][:, :, 1], c)  # its lines have dashpots of their own
@@ -407,12 +417,14 @@ class _State:
 
     def _stored_beside(self) -> np.ndarray:
         """Return the energy [J] in contacts that are open at rest and in Maxwell dampers, shape (scenes,)."""
-        e, first = self.data.elements, self.layout.of_links.start
+        e = self.data.elements
+        first = self.layout.of_links.start
         stored = np.zeros(len(self.scenes))
         for row, place in np.argwhere((e["closed"] > 0) & ~self.is_pressed).tolist():
             if place < first:
                 continue
-            law, element = self.scenes[row].links[place - first].law, e[row, place]
+            law = self.scenes[row].links[place - first].law
+            element = e[row, place]
             if isinstance(law, Maxwell):
                 stored[row] += law.stored_energy(0.0, float(element["h"][0]))
             elif not law.joins:
@@ -425,7 +437,8 @@ class _State:
 
         largest : largest drift of every storey and frame line [m], shape (scenes, elements before the links)
         """
-        e, n = self.data.elements, self.layout.number
+        e = self.data.elements
+        n = self.layout.number
         is_open = self.is_contact & ~self.is_pressed
         fits = np.where(is_open, self.drift <= TOUCH, ~self.is_contact | (self.drift > 0.0))
         stays = (self.drift - self.reach > e["low"]) & (self.drift + self.reach < e["high"])

@@ -51,9 +51,12 @@ def begin_step(r, elapsed, length, g, slope, output):
     if not whole:
         h /= np.ceil(h / r.longest - 1e-9)
     if output < h - NEAR * r.dt:
-        h, whole = output, False
-    r.h, r.end = h, 2.0
-    r.g0, r.g1 = g + slope * elapsed, slope * h
+        h = output
+        whole = False
+    r.h = h
+    r.end = 2.0
+    r.g0 = g + slope * elapsed
+    r.g1 = slope * h
     return whole
 
 
@@ -97,12 +100,14 @@ def count(r, happened):
 @njit(**CALLED)
 def begin(dofs, elements, terms, r, series):
     """The branches of all elements, and their deformations at the displacements and velocities of the start."""
-    r.status, r.still = DONE, 1
+    r.status = DONE
+    r.still = 1
     for i in range(r.n):
         d = dofs[i]
         if d.u0 != 0.0 or d.w[0] != 0.0:
             r.still = 0
-        d.u1, d.v1 = d.u0, d.w[0]
+        d.u1 = d.u0
+        d.v1 = d.w[0]
         d.u_max = d.u_min = d.u0
     ends_of_elements(dofs, elements, terms, r)
     enter_all(elements, r, series)
@@ -110,8 +115,10 @@ def begin(dofs, elements, terms, r, series):
         hold_or_release(dofs[i], elements[i])
     for e in range(r.m):
         el = elements[e]
-        el.v0, el.r0 = el.v1, el.r1
-        el.peak_v, el.least = abs(el.v0) if el.drifts else el.v0, el.v0
+        el.v0 = el.v1
+        el.r0 = el.r1
+        el.peak_v = abs(el.v0) if el.drifts else el.v0
+        el.least = el.v0
 
 
 @njit(**CALLED)
@@ -122,7 +129,9 @@ def keep(dofs, elements, r, watch):
     on_links = on_drags = 0.0
     for i in range(r.n):
         d = dofs[i]
-        watch.dofs[t, i, 0], watch.dofs[t, i, 1], watch.dofs[t, i, 2] = d.u1, d.v1, d.a1
+        watch.dofs[t, i, 0] = d.u1
+        watch.dofs[t, i, 1] = d.v1
+        watch.dofs[t, i, 2] = d.a1
         watch.storeys[t, i] = elements[i].work
     for e in range(r.m):
         el = elements[e]
@@ -139,8 +148,11 @@ def keep(dofs, elements, r, watch):
             on_drags += el.work
         else:
             on_links += el.work
-        watch.elements[t, e, 0], watch.elements[t, e, 1] = el.v1, f
-    watch.energy[t, 0], watch.energy[t, 1], watch.energy[t, 2] = r.input, r.drag + r.dashpots + on_drags, on_links
+        watch.elements[t, e, 0] = el.v1
+        watch.elements[t, e, 1] = f
+    watch.energy[t, 0] = r.input
+    watch.energy[t, 1] = r.drag + r.dashpots + on_drags
+    watch.energy[t, 2] = on_links
 
 
 @njit(**KERNEL)
@@ -151,10 +163,14 @@ def integrate(all_dofs, all_elements, terms, run, all_series, all_columns, rooms
         after the other, those of a scene up to its `ends`
     rooms : for steps by DOP853; without it (None) a kernel is compiled that has series alone
     """
-    terms, first = bare(terms), 0
+    terms = bare(terms)
+    first = 0
     for scene in range(run.size):
-        r, dofs, elements = run[scene], bare(all_dofs[scene]), bare(all_elements[scene])
-        series, columns = bare(all_series[scene]), bare(all_columns[scene])
+        r = run[scene]
+        dofs = bare(all_dofs[scene])
+        elements = bare(all_elements[scene])
+        series = bare(all_series[scene])
+        columns = bare(all_columns[scene])
         pinned = r.resumes != 0  # what was known exactly at the end of the run before
         if not pinned:
             begin(dofs, elements, terms, r, series)
@@ -163,14 +179,18 @@ def integrate(all_dofs, all_elements, terms, run, all_series, all_columns, rooms
         if watch.times.size > 0:
             keep(dofs, elements, r, watch)
         for segment in range(ends[scene] - first):
-            elapsed, r.longest, r.follows = 0.0, r.most_h, 0
+            elapsed = 0.0
+            r.longest = r.most_h
+            r.follows = 0
             length = r.rest if first + segment + 1 == ends[scene] else r.dt
             while r.status == DONE and elapsed < length:
                 output = np.inf
                 if r.output < watch.times.size:
                     output = watch.times[r.output] - (segment * r.dt + elapsed)
                 whole = begin_step(r, elapsed, length, ground[first + segment], slopes[first + segment], output)
-                planned, shortened, smooth = r.h, False, r.smooth
+                planned = r.h
+                shortened = False
+                smooth = r.smooth
                 if smooth:
                     if rooms is not None:
                         take_smooth(dofs, elements, terms, r, series, Room(rooms.states[scene], rooms.formulas[scene]))

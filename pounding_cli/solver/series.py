@@ -24,7 +24,8 @@ DIVERGED = 1e100
 ORDER_FROM_REST = 30
 """Of the first series of a run from rest: floors n storeys up that touch begin to close by t^(2 n + 2)."""
 
-LAST_DIGITS, LAST_OF_FIT = 1e-13, 1e-10
+LAST_DIGITS = 1e-13
+LAST_OF_FIT = 1e-10
 """Part of its terms [-] below which a sum is rounding: floors that move alike. The second is for coefficients that a
 polynomial was fitted to (`smooth`), which multiplies rounding."""
 
@@ -87,7 +88,9 @@ def start(dofs, elements, terms, r, series):
         s = series[a]
         el = elements[s.element]
         f = line_force(el, el.v0, el.r0)
-        s.v[0], s.rate[0], s.f[0] = el.v0, el.r0, f
+        s.v[0] = el.v0
+        s.rate[0] = el.r0
+        s.f[0] = f
         el.previous = el.r0
         if el.cubic != 0.0:
             s.square[0] = el.v0 * el.v0
@@ -113,7 +116,8 @@ def start(dofs, elements, terms, r, series):
 @njit(**PART)
 def _cubic_term(el, s, k, v, rate):
     """Order k of the force k v + p v^3 + root sqrt(k + 3 p v^2) v' [N]."""
-    s.v[k], s.rate[k] = v, rate
+    s.v[k] = v
+    s.rate[k] = rate
     square = cube = root = dash = 0.0
     for j in range(k + 1):
         square += s.v[j] * s.v[k - j]
@@ -144,11 +148,14 @@ def _push_of_links(dofs, elements, terms, series, count, k, part):
             f = _cubic_term(el, s, k, v, rate)
         else:
             f = el.k * v + el.c * rate
-        s.v[k], s.rate[k], s.f[k] = v, rate, f
+        s.v[k] = v
+        s.rate[k] = rate
+        s.f[k] = f
         if el.acts:
             push(dofs, terms, el, f)
         else:
-            one, other = dofs[el.left], dofs[el.right]
+            one = dofs[el.left]
+            other = dofs[el.right]
             largest = max(largest, abs(f) * max(one.inv_mass * one.allowed, other.inv_mass * other.allowed))
     return largest
 
@@ -169,9 +176,12 @@ def _walk_up(dofs, elements, n, k, part, after, has_lean):
     rock come after their floors, whose forces they feel; the weight on a storey acts on the floors alone."""
     size = left = before = own = 0.0
     for i in range(n):  # from 0 on by the same sums, so that equal buildings move alike to the last digit
-        d, el = dofs[i], elements[i]
-        w, earlier = d.w[k], d.w[k - 1]
-        moved, rate = part * (earlier - d.below * before), w - d.below * left
+        d = dofs[i]
+        el = elements[i]
+        w = d.w[k]
+        earlier = d.w[k - 1]
+        moved = part * (earlier - d.below * before)
+        rate = w - d.below * left
         f = el.stiffness * moved + el.c * rate
         if has_lean:
             foot = dofs[d.foot]
@@ -180,7 +190,9 @@ def _walk_up(dofs, elements, n, k, part, after, has_lean):
             f += leaned
         if i > 0:
             size = max(size, _next_velocity(dofs[i - 1], k, left, own - d.below * f, after))
-        left, before, own = w, earlier, f
+        left = w
+        before = earlier
+        own = f
     return max(size, _next_velocity(dofs[n - 1], k, left, own, after))
 
 
@@ -190,19 +202,25 @@ def _walk_up_twisting(dofs, elements, n, k, part, after, has_lean):
     size = left = before = own = left_turn = before_turn = own_turn = 0.0
     last = -1
     for i in range(n):
-        d, el = dofs[i], elements[i]
+        d = dofs[i]
+        el = elements[i]
         if el.twists and el.mate < np.uint64(i):  # a twist, which comes with its drift
             continue
-        w, earlier = d.w[k], d.w[k - 1]
-        moved, rate = part * (earlier - d.below * before), w - d.below * left
+        w = d.w[k]
+        earlier = d.w[k - 1]
+        moved = part * (earlier - d.below * before)
+        rate = w - d.below * left
         f = el.stiffness * moved + el.c * rate
         leaned = leaned_rate = 0.0
         if has_lean:
             foot = dofs[d.foot]
-            leaned, leaned_rate = d.lean * part * foot.w[k - 1], d.lean * foot.w[k]
+            leaned = d.lean * part * foot.w[k - 1]
+            leaned_rate = d.lean * foot.w[k]
         if el.twists:
-            turn, mate = dofs[el.mate], elements[el.mate]
-            w_turn, earlier_turn = turn.w[k], turn.w[k - 1]
+            turn = dofs[el.mate]
+            mate = elements[el.mate]
+            w_turn = turn.w[k]
+            earlier_turn = turn.w[k - 1]
             turned = part * (earlier_turn - turn.below * before_turn)
             turned_rate = w_turn - turn.below * left_turn
             f += el.coupled_k * turned + el.coupled_c * turned_rate
@@ -210,7 +228,9 @@ def _walk_up_twisting(dofs, elements, n, k, part, after, has_lean):
             f_turn += el.coupled_k * (moved + leaned) + el.coupled_c * (rate + leaned_rate)
             if turn.below != 0.0:
                 size = max(size, _next_velocity(dofs[el.mate - np.uint64(1)], k, left_turn, own_turn - f_turn, after))
-            left_turn, before_turn, own_turn = w_turn, earlier_turn, f_turn
+            left_turn = w_turn
+            before_turn = earlier_turn
+            own_turn = f_turn
             if el.twists > 1:
                 size = max(size, _next_velocity(turn, k, left_turn, own_turn, after))
         if has_lean:
@@ -219,7 +239,10 @@ def _walk_up_twisting(dofs, elements, n, k, part, after, has_lean):
             f += lean_force
         if last >= 0:
             size = max(size, _next_velocity(dofs[last], k, left, own - d.below * f, after))
-        left, before, own, last = w, earlier, f, i
+        left = w
+        before = earlier
+        own = f
+        last = i
     return max(size, _next_velocity(dofs[last], k, left, own, after))
 
 
@@ -227,12 +250,20 @@ def _walk_up_twisting(dofs, elements, n, k, part, after, has_lean):
 def expand(dofs, elements, terms, r, series):
     """Series of the velocities, up to the order at which two terms of all accelerations in a row are small enough or
     the highest one. Returns whether they are; the order goes to run.order."""
-    n, h, count, has_lean, has_lines = r.n, r.h, r.active, r.has_lean, r.lines > 0
+    n = r.n
+    h = r.h
+    count = r.active
+    has_lean = r.has_lean
+    has_lines = r.lines > 0
     least = ORDER_FROM_REST if r.still else MIN_ORDER
     most = max(r.max_order, least)
-    small, k, size = 0, np.int64(1), 0.0  # for the constant 1 all that takes k would be compiled once more
+    # for the constant 1 all that takes k would be compiled once more
+    small = 0
+    k = np.int64(1)
+    size = 0.0
     while (small < 2 or k <= least) and k < most and size < DIVERGED:
-        part, after = h * INVERSE[k], h * INVERSE[k + 1]
+        part = h * INVERSE[k]
+        after = h * INVERSE[k + 1]
         size = _push_of_links(dofs, elements, terms, series, count, k, part) if count else 0.0
         if has_lines:
             if has_lean:
@@ -260,7 +291,8 @@ def shrink(dofs, elements, r, series):
         for a in range(r.active):
             el = elements[series[a].element]
             if not el.acts:
-                one, other = dofs[el.left], dofs[el.right]
+                one = dofs[el.left]
+                other = dofs[el.right]
                 most = max(one.inv_mass * one.allowed, other.inv_mass * other.allowed)
                 size = max(size, abs(series[a].f[k - 1]) * most)
         if not size < 1e300:

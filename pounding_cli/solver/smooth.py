@@ -27,14 +27,18 @@ _TABLES = {
 }
 """The coefficients as SciPy has them (tools/dop853.py)."""
 
-STAGES, EXTRA = len(_TABLES["A"]), len(_TABLES["A_EXTRA"])
+STAGES = len(_TABLES["A"])
+EXTRA = len(_TABLES["A_EXTRA"])
 ALL = STAGES + 1 + EXTRA
 """Stages of a step, and with the derivative at its end and those of the dense output."""
 
 A = np.zeros((ALL, ALL))
-A[:STAGES, :STAGES], A[STAGES, :STAGES], A[STAGES + 1 :, :] = _TABLES["A"], _TABLES["B"], _TABLES["A_EXTRA"]
+A[:STAGES, :STAGES] = _TABLES["A"]
+A[STAGES, :STAGES] = _TABLES["B"]
+A[STAGES + 1 :, :] = _TABLES["A_EXTRA"]
 C = np.concatenate((_TABLES["C"], [1.0], _TABLES["C_EXTRA"]))
-E3, E5 = _TABLES["E3"], _TABLES["E5"]
+E3 = _TABLES["E3"]
+E5 = _TABLES["E5"]
 
 ORDER = 7
 """Of the polynomials of velocities."""
@@ -43,9 +47,12 @@ ORDER = 7
 def _dense_output() -> np.ndarray:
     """Coefficients 1 to 7 of the polynomials of the states, over the step's length, from the derivatives at all stages:
     a sum of s, s (1 - s), s^2 (1 - s) and so on."""
-    step, first, last = A[STAGES], np.eye(ALL)[0], np.eye(ALL)[STAGES]
+    step = A[STAGES]
+    first = np.eye(ALL)[0]
+    last = np.eye(ALL)[STAGES]
     parts = [step, first - step, 2.0 * step - first - last, *_TABLES["D"]]
-    made, base = np.zeros((ORDER, ALL)), np.polynomial.Polynomial([0.0, 1.0])
+    made = np.zeros((ORDER, ALL))
+    base = np.polynomial.Polynomial([0.0, 1.0])
     for number, part in enumerate(parts):
         made[: base.degree()] += np.outer(base.coef[1:], part)
         base = base * np.polynomial.Polynomial([0.0, 1.0] if number % 2 else [1.0, -1.0])
@@ -66,10 +73,13 @@ more is part of the force, which the energies miss."""
 FIT_SIZE = np.abs(FIT).sum(axis=1)
 """Largest size of the terms of each coefficient, over the largest value."""
 
-SAFETY, LEAST, MOST = 0.9, 0.2, 6.0
+SAFETY = 0.9
+LEAST = 0.2
+MOST = 6.0
 """Of the next step over this one: margin, least and most."""
 
-NEARER, LONGER = 0.75, 1.1
+NEARER = 0.75
+LONGER = 1.1
 """Of a step towards the end of a contact, where its force has no derivatives: its part of the time to there, as the
 floors part now; where it leads across, its length over that of the step that last did."""
 
@@ -88,7 +98,8 @@ def _state_at(dofs, elements, terms, r, states, stage):
             total += A[stage, j] * state.k[j]
         state.y = state.y0 + r.h * total
     for i in range(r.n):
-        dofs[i].u1, dofs[i].v1 = states[i].y, states[r.n + i].y
+        dofs[i].u1 = states[i].y
+        dofs[i].v1 = states[r.n + i].y
     ends_of_elements(dofs, elements, terms, r)
     for e in range(r.m):
         el = elements[e]
@@ -99,7 +110,9 @@ def _state_at(dofs, elements, terms, r, states, stage):
 @njit(**PART)
 def _derivative(dofs, elements, terms, r, series, room, stage):
     """Derivatives of the states at a stage."""
-    states, formulas, n = room.states, room.formulas, r.n
+    states = room.states
+    formulas = room.formulas
+    n = r.n
     ground = r.g0 + r.g1 * C[stage]
     for i in range(n):
         states[i].k[stage] = dofs[i].v1
@@ -141,7 +154,8 @@ def _error(r, states):
             e5 += E5[j] * state.k[j]
             e3 += E3[j] * state.k[j]
         per = 1.0 / (r.smooth_tolerance * max(state.scale, abs(state.y0), abs(state.y)))
-        worst5, worst3 = max(worst5, abs(e5 * per)), max(worst3, abs(e3 * per))
+        worst5 = max(worst5, abs(e5 * per))
+        worst3 = max(worst3, abs(e3 * per))
         total += abs(e5 * per)
     if not total < math.inf:
         return math.inf
@@ -165,9 +179,11 @@ def _longest(elements, r, series):
 def take_smooth(dofs, elements, terms, r, series, room):
     """A step that DOP853 accepts: the velocities' polynomials in `dofs`, the forces' in `series`."""
     room = Room(bare(room.states), bare(room.formulas))
-    states, n = room.states, r.n
+    states = room.states
+    n = r.n
     for i in range(n):
-        states[i].y0, states[n + i].y0 = dofs[i].u0, dofs[i].w[0]
+        states[i].y0 = dofs[i].u0
+        states[n + i].y0 = dofs[i].w[0]
     for e in range(r.m):
         if elements[e].state > 0:
             states[elements[e].state].y0 = elements[e].h[0]
@@ -196,7 +212,8 @@ def take_smooth(dofs, elements, terms, r, series, room):
                 stage = 1
                 continue
             if r.onset < 0.0:  # the first step of a contact: where its force has no derivatives steps have to grow anew
-                r.onset, r.across = r.h, max(r.across, r.h)
+                r.onset = r.h
+                r.across = max(r.across, r.h)
             r.next = r.h * factor
             for i in range(states.size):
                 states[i].scale = max(states[i].scale, 0.01 * abs(states[i].y))
@@ -208,7 +225,8 @@ def take_smooth(dofs, elements, terms, r, series, room):
 @njit(**PART)
 def _take_polynomials(dofs, elements, terms, r, series, room):
     """Polynomials of velocities, history variables and forces."""
-    states, n = room.states, r.n
+    states = room.states
+    n = r.n
     r.order = ORDER + 1
     for i in range(n, states.size):
         state = states[i]
@@ -219,7 +237,8 @@ def _take_polynomials(dofs, elements, terms, r, series, room):
                 total += DENSE[k, j] * state.k[j]
             state.c[k + 1] = r.h * total
     for i in range(n):
-        d, state = dofs[i], states[n + i]
+        d = dofs[i]
+        state = states[n + i]
         d.a0 = state.k[0] + d.felt * r.g0
         for k in range(1, ORDER + 1):
             d.w[k] = state.c[k]
@@ -239,9 +258,14 @@ def _fit_force(el, r, s, state, formula, storey):
         s.rate[k] = r.p[k]
     integral(r, 1.0, el.v0)
     for place in range(POINTS):
-        at, v, rate, h = PLACES[place], r.p[POINTS], 0.0, 0.0
+        at = PLACES[place]
+        v = r.p[POINTS]
+        rate = 0.0
+        h = 0.0
         for k in range(POINTS - 1, -1, -1):
-            v, rate, h = v * at + r.p[k], rate * at + s.rate[k], h * at + state.c[k]
+            v = v * at + r.p[k]
+            rate = rate * at + s.rate[k]
+            h = h * at + state.c[k]
         if el.state > 0:
             el.h[0] = h
         r.values[place] = force(el, v, rate, formula)

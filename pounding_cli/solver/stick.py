@@ -25,8 +25,10 @@ def hold_or_release(d, el):
 def find_drive(dofs, elements, terms, r, series, i):
     """Find the polynomial of the force that would move the held degree of freedom i [N], positive to the right, but for
     the friction below it; it goes to the forces of its row of `series`."""
-    d, el = dofs[i], elements[i]
-    f, count = series[el.row].f, r.order
+    d = dofs[i]
+    el = elements[i]
+    f = series[el.row].f
+    count = r.order
     for k in range(count):
         f[k] = 0.0
     f[0] = -d.mass * d.loaded * r.g0 - el.k * el.v0
@@ -49,11 +51,14 @@ def find_drive(dofs, elements, terms, r, series, i):
 @njit(**PART)
 def _add_storey_above(dofs, elements, terms, r, series, j, f):
     """Add the pull of the storey j that stands on a held base, which does not move, to the polynomial f."""
-    d, el = dofs[j], elements[j]
-    own, foot = d.w, dofs[d.foot].w
+    d = dofs[j]
+    el = elements[j]
+    own = d.w
+    foot = dofs[d.foot].w
     smooth = series[el.row].f
     f[0] += (0.0 if el.smooth else el.k * el.v0 + el.f0) - el.load * (d.u0 - dofs[j - 1].u0)
-    mate, mate_below = dofs[el.mate], dofs[elements[el.mate].right]
+    mate = dofs[el.mate]
+    mate_below = dofs[elements[el.mate].right]
     if el.twists:
         f[0] += el.coupled_k * elements[el.mate].v0
     for k in range(r.order):
@@ -67,7 +72,8 @@ def _add_storey_above(dofs, elements, terms, r, series, j, f):
         if el.smooth:
             f[k] += smooth[k]
         if k > 0:
-            moved, leaned = own[k - 1], d.lean * foot[k - 1]
+            moved = own[k - 1]
+            leaned = d.lean * foot[k - 1]
             f[k] += r.h * INVERSE[k] * ((0.0 if el.smooth else el.k) * (moved + leaned) - el.load * moved)
 
 

@@ -27,7 +27,8 @@ REFERENCE = ("taylor", 1e-12)
 SECOND = ("dop853", 1e-11)
 """Methods and settings of the reference and of what confirms it."""
 
-MAX_REPEATS, REPEATED = 20, 0.1
+MAX_REPEATS = 20
+REPEATED = 0.1
 """A run is repeated up to so often, or until its repeats took so long [s] together; the least counts."""
 
 WARM_UP = 3
@@ -62,7 +63,8 @@ def errors_of(found: Response, reference: Response) -> dict[str, float]:
     worst = dict.fromkeys(QUANTITIES, 0.0)
     fields = {"V": "shear", "mu": "ductility", "acceleration": "acceleration"}
     for quantity, name in fields.items():
-        x, y = found.peaks[name], reference.peaks[name]
+        x = found.peaks[name]
+        y = reference.peaks[name]
         moving = np.nan_to_num(y) != 0
         worst[quantity] = float(np.max(np.abs(x[moving] / y[moving] - 1), initial=0.0))
     force = reference.links.peak_force
@@ -91,8 +93,12 @@ def measure(
     Of each method the settings are tried from coarse to fine, one at least, as long as its share lasts. The budget is
     wall time, in which compiling does not count.
     """
-    runs, references, left_out = list[dict[str, Any]](), list[dict[str, Any]](), list[str]()
-    skipped, spent, compiling = Counter[tuple[str, float]](), 0.0, 0.0
+    runs = list[dict[str, Any]]()
+    references = list[dict[str, Any]]()
+    left_out = list[str]()
+    skipped = Counter[tuple[str, float]]()
+    spent = 0.0
+    compiling = 0.0
     records = list(dict.fromkeys(place["record"] for place, _ in subjects))
     order = sorted(subjects, key=lambda subject: records.index(subject[0]["record"]))
     ended = "the budget ended (--budget gives more)"
@@ -107,7 +113,8 @@ def measure(
         for name in {*able, REFERENCE[0], SECOND[0]}:
             _solved(short, name, 1e-4)
         compiled = time.perf_counter()
-        reference, second = _solved(scene, *REFERENCE), _solved(scene, *SECOND)
+        reference = _solved(scene, *REFERENCE)
+        second = _solved(scene, *SECOND)
         if reference.status == second.status == DONE:
             impacts = int(np.abs(reference.links.impacts - second.links.impacts).sum())
             references.append({**place, **errors_of(second, reference), "impacts": impacts})
@@ -135,13 +142,17 @@ def noise_of_least(seconds: Sequence[float]) -> float:
 
 def _tried(scene: Scene, name: str, reference: Response, allowed: float) -> Iterator[dict[str, Any]]:
     """Runs of one method from coarse to fine, one at least, as far as the time allowed [s] reaches."""
-    begin, last, before, settings = time.perf_counter(), 0.0, 0.0, METHODS[name].setting.trial_values
+    begin = time.perf_counter()
+    last = 0.0
+    before = 0.0
+    settings = METHODS[name].setting.trial_values
     for setting in settings:
         longer = before / setting if METHODS[name].takes_step else 1.0
         if last and time.perf_counter() - begin + last * longer > allowed:
             return
         found = _solved(scene, name, setting)
-        seconds, done = [found.seconds], found.status == DONE
+        seconds = [found.seconds]
+        done = found.status == DONE
         repeated = min(REPEATED, allowed / len(settings))
         while done and len(seconds) < MAX_REPEATS and sum(seconds) + found.seconds < repeated:
             seconds.append(_solved(scene, name, setting).seconds)
@@ -154,4 +165,5 @@ def _tried(scene: Scene, name: str, reference: Response, allowed: float) -> Iter
             "impacts_reference": int(reference.links.impacts.sum()),
             "energy_residual": found.energy.get("residual", np.nan), "advice": found.advice,
         }  # fmt: skip
-        last, before = found.seconds, setting
+        last = found.seconds
+        before = setting
