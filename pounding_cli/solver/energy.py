@@ -16,27 +16,29 @@ WEIGHTS = 0.5 * _WEIGHTS
 
 
 @njit(**CALLED)
-def add_energy(dofs, elements, r, series):
+def add_energy(dofs, elements, run, series):
     """Add the energies of the step up to s = run.end [J]."""
-    for i in range(r.n):
-        d = dofs[i]
+    for i in range(run.n):
+        dof = dofs[i]
         for g in range(0, PLACES_INSIDE, 4):
-            d.inside[g], d.inside[g + 1], d.inside[g + 2], d.inside[g + 3] = _at_four(d.w, r.order, r.end, g)
-    _work_on_storeys(dofs, elements, r)
-    for a in range(r.active):
+            dof.inside[g], dof.inside[g + 1], dof.inside[g + 2], dof.inside[g + 3] = _at_four(
+                dof.w, run.order, run.end, g
+            )
+    _work_on_storeys(dofs, elements, run)
+    for a in range(run.active):
         el = elements[series[a].element]
         if el.drifts:
-            _work_on_line(el, r, series[a])
+            _work_on_line(el, run, series[a])
         else:
-            _work_on_series(el, r, series[a])
-    for e in range(r.n + r.drags, r.n + r.drags + r.lines):
+            _work_on_series(el, run, series[a])
+    for e in range(run.n + run.drags, run.n + run.drags + run.lines):
         el = elements[e]
         if el.yields and not el.smooth:  # the force is straight in the drift
             el.work += (0.5 * el.k * (el.v0 + el.v1) + el.f0) * (el.v1 - el.v0)
-    for i in range(r.n):
+    for i in range(run.n):
         el = elements[i]
         if el.smooth:
-            _work_on_series(el, r, series[el.row])
+            _work_on_series(el, run, series[el.row])
         elif el.yields:  # the force is straight in the drift
             el.work += (0.5 * el.k * (el.v0 + el.v1) + el.f0) * (el.v1 - el.v0)
 
@@ -58,71 +60,71 @@ def _at_four(p, n, end, g):
 
 
 @njit(**PART)
-def _work_on_storeys(dofs, elements, r):
+def _work_on_storeys(dofs, elements, run):
     """Energy that the ground puts in, and what dashpots of storeys and mass-proportional damping take [J]."""
-    duration = r.h * r.end
-    g1 = r.g1 * r.end
+    duration = run.h * run.end
+    g1 = run.g1 * run.end
     drag = dashpots = pushed = 0.0
-    has_lines = r.lines > 0
-    for i in range(r.n):
+    has_lines = run.lines > 0
+    for i in range(run.n):
         el = elements[i]
-        d = dofs[i]
+        dof = dofs[i]
         below = dofs[el.right].inside
-        foot = dofs[d.foot].inside
+        foot = dofs[dof.foot].inside
         push = square = rates = 0.0
         for g in range(PLACES_INSIDE):
-            v = d.inside[g]
-            rate = v - el.hold * below[g] + d.lean * foot[g]
-            push += WEIGHTS[g] * (r.g0 + g1 * PLACES[g]) * v
+            v = dof.inside[g]
+            rate = v - el.hold * below[g] + dof.lean * foot[g]
+            push += WEIGHTS[g] * (run.g0 + g1 * PLACES[g]) * v
             square += WEIGHTS[g] * v * v
             rates += WEIGHTS[g] * rate * rate
         if has_lines and el.twists and el.mate > i:
             dashpots += 2.0 * el.coupled_c * _common_rates(dofs, elements, i)
-        pushed += d.mass * d.loaded * push
-        drag += d.mass * d.drag * square
+        pushed += dof.mass * dof.loaded * push
+        drag += dof.mass * dof.drag * square
         dashpots += el.c * rates
-    r.input -= pushed * duration
-    r.drag += drag * duration
-    r.dashpots += dashpots * duration
+    run.input -= pushed * duration
+    run.drag += drag * duration
+    run.dashpots += dashpots * duration
 
 
 @njit(**PART)
 def _common_rates(dofs, elements, i):
     """Return the mean over the step of the rate of drift times that of twist of the storey i, whose floors twist."""
-    d = dofs[i]
+    dof = dofs[i]
     el = elements[i]
     below = dofs[el.right].inside
-    foot = dofs[d.foot].inside
+    foot = dofs[dof.foot].inside
     turn = dofs[el.mate]
     mate = elements[el.mate]
     turn_below = dofs[mate.right].inside
     product = 0.0
     for g in range(PLACES_INSIDE):
-        rate = d.inside[g] - el.hold * below[g] + d.lean * foot[g]
+        rate = dof.inside[g] - el.hold * below[g] + dof.lean * foot[g]
         product += WEIGHTS[g] * rate * (turn.inside[g] - mate.hold * turn_below[g])
     return product
 
 
 @njit(**PART)
-def _work_on_series(el, r, s):
+def _work_on_series(el, run, row):
     """Work done in the step on an element whose force has a series [J]."""
     if not el.acts:
         return
-    n = r.order - 1
+    n = run.order - 1
     power = 0.0
     for g in range(0, PLACES_INSIDE, 4):
-        f0, f1, f2, f3 = _at_four(s.f, n, r.end, g)
-        v0, v1, v2, v3 = _at_four(s.rate, n, r.end, g)
+        f0, f1, f2, f3 = _at_four(row.f, n, run.end, g)
+        v0, v1, v2, v3 = _at_four(row.rate, n, run.end, g)
         power += WEIGHTS[g] * f0 * v0 + WEIGHTS[g + 1] * f1 * v1 + WEIGHTS[g + 2] * f2 * v2 + WEIGHTS[g + 3] * f3 * v3
-    el.work += r.h * r.end * power
+    el.work += run.h * run.end * power
 
 
 @njit(**PART)
-def _work_on_line(el, r, s):
+def _work_on_line(el, run, row):
     """Work done in the step on a frame line whose force is smooth, and what its dashpot takes [J]."""
     squares = 0.0
     for g in range(0, PLACES_INSIDE, 4):
-        v0, v1, v2, v3 = _at_four(s.rate, r.order - 1, r.end, g)
+        v0, v1, v2, v3 = _at_four(row.rate, run.order - 1, run.end, g)
         squares += WEIGHTS[g] * v0 * v0 + WEIGHTS[g + 1] * v1 * v1 + WEIGHTS[g + 2] * v2 * v2 + WEIGHTS[g + 3] * v3 * v3
-    r.dashpots += el.c * squares * r.h * r.end
-    _work_on_series(el, r, s)
+    run.dashpots += el.c * squares * run.h * run.end
+    _work_on_series(el, run, row)

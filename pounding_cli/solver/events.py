@@ -56,15 +56,15 @@ NEAR_ZERO = 1e-9
 
 
 @njit(**PART)
-def summarise(dofs, elements, terms, r):
+def summarise(dofs, elements, terms, run):
     """Displacement, velocity and total acceleration of every degree of freedom at s = 1, with chord deviations."""
-    h = r.h
-    count = r.order + 1
-    for i in range(r.n):
-        d = dofs[i]
+    h = run.h
+    count = run.order + 1
+    for i in range(run.n):
+        dof = dofs[i]
         u = v = a = bend = twist = 0.0
         for k in range(count):  # LLVM makes vectors of these sums
-            w = d.w[k]
+            w = dof.w[k]
             slope = w * FLOAT[k]
             u += w * INVERSE[k + 1]
             v += w
@@ -72,17 +72,17 @@ def summarise(dofs, elements, terms, r):
             bent = abs(slope) * (FLOAT[k] - 1.0)
             bend += bent
             twist += bent * (FLOAT[k] - 2.0)
-        d.u1 = d.u0 + h * u
-        d.v1 = v
-        d.a1 = a / h + d.felt * r.g0 + d.felt * r.g1
+        dof.u1 = dof.u0 + h * u
+        dof.v1 = v
+        dof.a1 = a / h + dof.felt * run.g0 + dof.felt * run.g1
         # k < k (k - 1) from the third order on
-        d.du = 0.125 * h * (abs(d.w[1]) + bend)
-        d.dv = 0.125 * bend
-        d.da = 0.125 * twist / h
-    ends_of_elements(dofs, elements, terms, r)
-    first_line = r.n + r.drags
-    end_of_lines = r.n + r.drags + r.lines
-    for e in range(r.m):
+        dof.du = 0.125 * h * (abs(dof.w[1]) + bend)
+        dof.dv = 0.125 * bend
+        dof.da = 0.125 * twist / h
+    ends_of_elements(dofs, elements, terms, run)
+    first_line = run.n + run.drags
+    end_of_lines = run.n + run.drags + run.lines
+    for e in range(run.m):
         el = elements[e]
         if first_line <= e < end_of_lines:
             storey = elements[el.storey]
@@ -130,20 +130,20 @@ def _largest_of_terms(dofs, terms, el):
     """Return the largest displacement [m] and speed [m/s] of the further terms of an element."""
     reach = fastest = 0.0
     for x in range(el.first, el.last):
-        d = dofs[terms[x].dof]
+        dof = dofs[terms[x].dof]
         size = abs(terms[x].weight)
-        reach += size * max(d.u_max, -d.u_min)
-        fastest += size * d.fastest
+        reach += size * max(dof.u_max, -dof.u_min)
+        fastest += size * dof.fastest
     return reach, fastest
 
 
 @njit(**PART)
-def ends_of_elements(dofs, elements, terms, r):
+def ends_of_elements(dofs, elements, terms, run):
     """Deformation and rate of every element at the step's end, exactly zero where floors differ by rounding."""
-    first_line = r.n + r.drags
-    end_of_lines = r.n + r.drags + r.lines
-    has_lines = r.lines > 0
-    for e in range(r.m):
+    first_line = run.n + run.drags
+    end_of_lines = run.n + run.drags + run.lines
+    has_lines = run.lines > 0
+    for e in range(run.m):
         el = elements[e]
         if first_line <= e < end_of_lines:
             _end_of_line(elements, el)
@@ -175,40 +175,40 @@ def ends_of_elements(dofs, elements, terms, r):
 
 
 @njit(**CALLED)
-def end_at(dofs, elements, terms, r):
+def end_at(dofs, elements, terms, run):
     """Replace the values at s = 1 by those at run.end, where an event was found."""
-    h = r.h
-    s = r.end
-    count = r.order + 1
-    p = r.p
+    h = run.h
+    s = run.end
+    count = run.order + 1
+    p = run.p
     p[0] = 1.0
     for k in range(1, count):
         p[k] = p[k - 1] * s
-    for i in range(r.n):
-        d = dofs[i]
+    for i in range(run.n):
+        dof = dofs[i]
         u = v = a = 0.0
         for k in range(count):
-            w = d.w[k] * p[k]
+            w = dof.w[k] * p[k]
             u += w * INVERSE[k + 1]
             v += w
             a += w * FLOAT[k]
-        d.u1 = d.u0 + h * s * u
-        d.v1 = v
-        d.a1 = d.a0
+        dof.u1 = dof.u0 + h * s * u
+        dof.v1 = v
+        dof.a1 = dof.a0
         if s > 0.0:
-            d.a1 = a / (h * s) + d.felt * r.g0 + d.felt * r.g1 * s
-    ends_of_elements(dofs, elements, terms, r)
+            dof.a1 = a / (h * s) + dof.felt * run.g0 + dof.felt * run.g1 * s
+    ends_of_elements(dofs, elements, terms, run)
 
 
 @njit(**CALLED)
-def rate_series(dofs, elements, terms, r, e):
+def rate_series(dofs, elements, terms, run, e):
     """Coefficients of the rate of element e, into r.p."""
     el = elements[e]
-    count = r.order + 1
+    count = run.order + 1
     left = dofs[el.left].w
     right = dofs[el.right].w
-    p = r.p
-    rounding = LAST_OF_FIT if r.smooth else LAST_DIGITS
+    p = run.p
+    rounding = LAST_OF_FIT if run.smooth else LAST_DIGITS
     for k in range(count):
         total = left[k] - el.hold * right[k]
         size = abs(left[k]) + abs(el.hold * right[k])
@@ -224,28 +224,28 @@ def rate_series(dofs, elements, terms, r, e):
 
 
 @njit(**PART)
-def integral(r, side, first):
+def integral(run, side, first):
     """`side` times the integral of r.p over the time of the step, with the value `first` at the start; its degree."""
-    p = r.p
-    n = r.order + 1
+    p = run.p
+    n = run.order + 1
     for k in range(n, 0, -1):
-        p[k] = side * p[k - 1] * r.h * INVERSE[k]
+        p[k] = side * p[k - 1] * run.h * INVERSE[k]
     p[0] = first
     return n
 
 
 @njit(**PART)
-def _until_guard(el, r, s, guard):
+def _until_guard(el, run, row, guard):
     """From the rate of an element in r.p what is positive until it meets the guard; returns its degree."""
-    p = r.p
-    n = r.order
+    p = run.p
+    n = run.order
     if guard == LOW:
-        return integral(r, 1.0, el.v0 - el.low)
+        return integral(run, 1.0, el.v0 - el.low)
     if guard == HIGH:
-        return integral(r, -1.0, el.high - el.v0)
+        return integral(run, -1.0, el.high - el.v0)
     if guard >= COLLAPSE_LOW:
         side = 1.0 if guard == COLLAPSE_LOW else -1.0
-        return integral(r, side, el.collapse + side * el.v0)
+        return integral(run, side, el.collapse + side * el.v0)
     if guard == SLOWER or guard == FASTER:
         side, at = (1.0, el.slow) if guard == SLOWER else (-1.0, el.fast)
         for k in range(n + 1):
@@ -258,33 +258,33 @@ def _until_guard(el, r, s, guard):
         return n - 1
     if guard == CROSSES:  # the series of a smooth storey's force holds that of its line too
         side = 1.0 * el.crosses
-        degree = integral(r, -side * el.k, -side * el.k * el.v0)
+        degree = integral(run, -side * el.k, -side * el.k * el.v0)
         for k in range(n):
-            p[k] += side * s.f[k]
+            p[k] += side * row.f[k]
         if el.pinned == ITS_FORCE:
             p[0] = 0.0
         return degree
     if guard == SLIPS_RIGHT or guard == SLIPS_LEFT:
         side = 1.0 if guard == SLIPS_RIGHT else -1.0
         for k in range(n):
-            p[k] = -side * s.f[k]
+            p[k] = -side * row.f[k]
         p[0] += el.p[1]
         return n - 1
     side = 1.0 if el.acts else -1.0
     for k in range(n):
-        p[k] = side * s.f[k]
+        p[k] = side * row.f[k]
     if el.pinned == ITS_FORCE:
         p[0] = 0.0
     return n - 1
 
 
 @njit(**CALLED)
-def _meets(el, r, s, guard, end):
+def _meets(el, run, row, guard, end):
     """Where in [0, end] an element, whose rate stands in r.p, first meets a guard."""
-    n = _until_guard(el, r, s, guard)
-    at = first_crossing(r, n, end)
+    n = _until_guard(el, run, row, guard)
+    at = first_crossing(run, n, end)
     often = el.stuck >= MOST_AT_INSTANT
-    if often and at < INSTANT and (el.stuck > 3 * MOST_AT_INSTANT or value(r.p, n, 1.0) > 0.0):
+    if often and at < INSTANT and (el.stuck > 3 * MOST_AT_INSTANT or value(run.p, n, 1.0) > 0.0):
         return NEVER
     return at
 
@@ -323,7 +323,7 @@ def _may_meet(el, guard, is_link):
 
 
 @njit(**PART)
-def _moves_by_rounding(dofs, terms, el, r):
+def _moves_by_rounding(dofs, terms, el, run):
     """Whether a link, whose rate stands in r.p, moves in this step by no more than the last digits of its floors: such
     floors would strike each other without end."""
     reach, fastest = _largest_of_ends(dofs, terms, el)
@@ -331,86 +331,86 @@ def _moves_by_rounding(dofs, terms, el, r):
     least_rate = LAST_DIGITS * fastest
     if abs(el.v0) > least_v or abs(el.r0) > least_rate:
         return False
-    if r.smooth:  # the polynomials of a step by DOP853 multiply rounding on their way
+    if run.smooth:  # the polynomials of a step by DOP853 multiply rounding on their way
         return abs(el.v1) <= least_v and abs(el.r1) <= least_rate
     size = 0.0
-    for k in range(r.order + 1):
-        size += abs(r.p[k])
-    return size <= least_rate and abs(el.v0) + r.h * size <= least_v
+    for k in range(run.order + 1):
+        size += abs(run.p[k])
+    return size <= least_rate and abs(el.v0) + run.h * size <= least_v
 
 
 @njit(**PART)
-def _rests_by_rounding(dofs, terms, el, r):
+def _rests_by_rounding(dofs, terms, el, run):
     """Whether the drift of a storey, whose rate stands in r.p, changes in this step by no more than the last digits of
     its floors: a building that has come to rest would turn back without end."""
     reach, fastest = _largest_of_ends(dofs, terms, el)
     size = 0.0
-    for k in range(r.order + 1):
-        size += abs(r.p[k])
-    return size <= LAST_DIGITS * fastest and r.h * size <= LAST_DIGITS * reach
+    for k in range(run.order + 1):
+        size += abs(run.p[k])
+    return size <= LAST_DIGITS * fastest and run.h * size <= LAST_DIGITS * reach
 
 
 @njit(**CALLED)
-def first_event(dofs, elements, terms, r, series):
+def first_event(dofs, elements, terms, run, series):
     """Whether an element leaves its branch in [0, 1]; where the first does goes to r.end."""
     found = False
-    for e in range(r.m):
+    for e in range(run.m):
         el = elements[e]
         el.at = NEVER
         if _stays(el):
             continue
         if el.holds:
-            find_drive(dofs, elements, terms, r, series, e)
+            find_drive(dofs, elements, terms, run, series, e)
         for guard in range(COLLAPSE_HIGH + 1):
             if _may_meet(el, guard, el.drifts == 0):
-                rate_series(dofs, elements, terms, r, e)
-                if el.drifts == 0 and _moves_by_rounding(dofs, terms, el, r):
+                rate_series(dofs, elements, terms, run, e)
+                if el.drifts == 0 and _moves_by_rounding(dofs, terms, el, run):
                     break
-                if el.drifts and not el.slides and _rests_by_rounding(dofs, terms, el, r):
+                if el.drifts and not el.slides and _rests_by_rounding(dofs, terms, el, run):
                     break
-                at = _meets(el, r, series[el.row], guard, min(1.0, el.at))
-                if el.eased and r.still:
+                at = _meets(el, run, series[el.row], guard, min(1.0, el.at))
+                if el.eased and run.still:
                     at = max(at, FROM_REST)
                 if at < el.at:
                     el.at = at
                     el.guard = guard
-        if el.at < r.end:
-            r.end = el.at
+        if el.at < run.end:
+            run.end = el.at
             found = True
     return found
 
 
 @njit(**CALLED)
-def commit(dofs, elements, terms, r, series):
+def commit(dofs, elements, terms, run, series):
     """Change all elements that leave their branch at the end of this step, so that equal buildings stay equal."""
-    for e in range(r.m):
+    for e in range(run.m):
         el = elements[e]
-        if el.at == r.end and el.at < NEVER:
+        if el.at == run.end and el.at < NEVER:
             if el.guard >= COLLAPSE_LOW:
-                r.status = COLLAPSED
+                run.status = COLLAPSED
                 continue
-            _pin(el, r.end)
+            _pin(el, run.end)
             was_open = el.closed == 0
             if el.smooth and el.guard == LOW:
-                r.across = r.h
+                run.across = run.h
             next_branch(el, el.guard)
             if el.slides:
                 hold_or_release(dofs[e], el)
             if was_open and el.closed:
                 el.hits = 1 if el.least > -TOUCH else el.hits + 1
                 if el.smooth:
-                    r.next = max(r.onset, 0.0)
-                    r.onset = -1.0
+                    run.next = max(run.onset, 0.0)
+                    run.onset = -1.0
             if el.least > -TOUCH and was_open and el.closed:
-                el.time = r.time - r.begun
+                el.time = run.time - run.begun
             elif not el.closed and el.least > -TOUCH and el.peak_v < TOUCH:
                 el.time = 0.0
                 el.hits = 0
             el.stuck += 1
-            r.events += 1
-    if r.lines:
-        gather_lines(elements, r)
-    list_active(elements, r, series)
+            run.events += 1
+    if run.lines:
+        gather_lines(elements, run)
+    list_active(elements, run, series)
 
 
 @njit(**PART)
@@ -438,31 +438,31 @@ def _pin(el, end):
 
 
 @njit(**CALLED)
-def list_active(elements, r, series):
+def list_active(elements, run, series):
     """List the links whose force is not zero, and see whether a step has to be taken by DOP853."""
-    r.active = 0
-    r.smooth = r.always_smooth
-    for e in range(r.m):
+    run.active = 0
+    run.smooth = run.always_smooth
+    for e in range(run.m):
         el = elements[e]
         if el.smooth:
-            r.smooth = 1
-        if e >= r.n and (el.smooth if el.drifts else el.closed):
-            el.row = r.active
-            series[r.active].element = e
-            r.active += 1
+            run.smooth = 1
+        if e >= run.n and (el.smooth if el.drifts else el.closed):
+            el.row = run.active
+            series[run.active].element = e
+            run.active += 1
 
 
 @njit(**CALLED)
-def gather_lines(elements, r):
+def gather_lines(elements, run):
     """Add the stiffnesses, dashpots and offsets of the frame lines on their present branches up in their storeys; lines
     whose force is smooth act by themselves."""
-    for i in range(r.n):
+    for i in range(run.n):
         el = elements[i]
         if el.twists:
             el.k = el.p[0]
             el.c = el.p[1]
             el.f0 = el.coupled_k = el.coupled_c = 0.0
-    for e in range(r.n + r.drags, r.n + r.drags + r.lines):
+    for e in range(run.n + run.drags, run.n + run.drags + run.lines):
         el = elements[e]
         if el.smooth:
             continue
@@ -480,23 +480,23 @@ def gather_lines(elements, r):
         mate.k += lever * lever * el.k
         mate.c += lever * lever * el.c
         mate.f0 += lever * el.f0
-    for i in range(r.n):
+    for i in range(run.n):
         el = elements[i]
         if el.twists:
             el.stiffness = el.k - el.load
 
 
 @njit(**CALLED)
-def unpin(elements, r):
+def unpin(elements, run):
     """Time goes on: nothing is exactly known any more."""
-    for e in range(r.m):
+    for e in range(run.m):
         elements[e].pinned = elements[e].stuck = 0
 
 
 @njit(**CALLED)
-def enter_all(elements, r, series):
+def enter_all(elements, run, series):
     """The branches of all elements at rest."""
-    for e in range(r.m):
+    for e in range(run.m):
         elements[e].guard = START
         next_branch(elements[e], elements[e].guard)
-    list_active(elements, r, series)
+    list_active(elements, run, series)

@@ -69,44 +69,44 @@ def _settle(el, formula):
 
 
 @njit(**CALLED)
-def forces(dofs, elements, terms, r, room, ground):
+def forces(dofs, elements, terms, run, room, ground):
     """Deform all elements by the displacements u1 and velocities v1 of a step's end, put them on the branches that they
     have reached, and add their forces to `push` of the degrees of freedom: a = -push / mass."""
-    ends_of_elements(dofs, elements, terms, r)
-    for i in range(r.n):
-        d = dofs[i]
-        d.push = d.mass * (d.loaded * ground + d.drag * d.v1)
-    for e in range(r.m):
+    ends_of_elements(dofs, elements, terms, run)
+    for i in range(run.n):
+        dof = dofs[i]
+        dof.push = dof.mass * (dof.loaded * ground + dof.drag * dof.v1)
+    for e in range(run.m):
         el = elements[e]
         formula = room.formulas[el.formula]
         _settle(el, formula)
-        if e < r.n:
-            push_by_storey(dofs, el, e, line_force(el, el.v1, el.r1), r.has_lean)
+        if e < run.n:
+            push_by_storey(dofs, el, e, line_force(el, el.v1, el.r1), run.has_lean)
         elif el.closed and el.acts:
             push(dofs, terms, el, force(el, el.v1, el.r1, formula))
 
 
 @njit(**CALLED)
-def _end(dofs, elements, terms, r, columns, room, h):
+def _end(dofs, elements, terms, run, columns, room, h):
     """Count what has come of a step: largest values, and forces of links and struck columns."""
-    r.steps += 1
-    for i in range(r.n):
-        d = dofs[i]
-        d.u_max = max(d.u_max, d.u1)
-        d.u_min = min(d.u_min, d.u1)
-        d.a_max = max(d.a_max, abs(d.a1))
-        if not abs(d.u1) < 1e300:
-            r.status = NOT_FINITE
-        d.u0 = d.u1
-        d.w[0] = d.v1
-        d.a0 = d.a1
-    for e in range(r.m):
+    run.steps += 1
+    for i in range(run.n):
+        dof = dofs[i]
+        dof.u_max = max(dof.u_max, dof.u1)
+        dof.u_min = min(dof.u_min, dof.u1)
+        dof.a_max = max(dof.a_max, abs(dof.a1))
+        if not abs(dof.u1) < 1e300:
+            run.status = NOT_FINITE
+        dof.u0 = dof.u1
+        dof.w[0] = dof.v1
+        dof.a0 = dof.a1
+    for e in range(run.m):
         el = elements[e]
         el.peak_v = max(el.peak_v, abs(el.v1) if el.drifts else el.v1)
         if el.drifts:
             el.peak_f = max(el.peak_f, abs(el.k * el.v1 + el.f0))
             if abs(el.v1) > el.collapse:
-                r.status = COLLAPSED
+                run.status = COLLAPSED
         elif el.closed and el.acts:
             f = force(el, el.v1, el.r1, room.formulas[el.formula])
             el.peak_f = max(el.peak_f, abs(f))
@@ -114,7 +114,7 @@ def _end(dofs, elements, terms, r, columns, room, h):
             el.time += h
         el.v0 = el.v1
         el.r0 = el.r1
-    for c in range(r.columns):
+    for c in range(run.columns):
         column = columns[c]
         el = elements[column.storey]
         if column.is_sum:
@@ -131,20 +131,20 @@ def _end(dofs, elements, terms, r, columns, room, h):
 
 
 @njit(**PART)
-def _central_difference(dofs, elements, terms, r, room, half, h, ground, first):
+def _central_difference(dofs, elements, terms, run, room, half, h, ground, first):
     """u' half a step later from u'' now, u a step later; damping forces by the velocity extrapolated from two half
     steps, so that nothing is solved for."""
-    for i in range(r.n):
-        d = dofs[i]
-        acceleration = d.a0 - d.loaded * r.g0
-        before = d.w[0] if first else half[i]
+    for i in range(run.n):
+        dof = dofs[i]
+        acceleration = dof.a0 - dof.loaded * run.g0
+        before = dof.w[0] if first else half[i]
         half[i] = before + (0.5 * h if first else h) * acceleration
-        d.u1 = d.u0 + h * half[i]
-        d.v1 = 1.5 * half[i] - 0.5 * before
-    forces(dofs, elements, terms, r, room, ground)
-    for i in range(r.n):
-        d = dofs[i]
-        d.a1 = -d.push * d.inv_mass + d.loaded * ground
+        dof.u1 = dof.u0 + h * half[i]
+        dof.v1 = 1.5 * half[i] - 0.5 * before
+    forces(dofs, elements, terms, run, room, ground)
+    for i in range(run.n):
+        dof = dofs[i]
+        dof.a1 = -dof.push * dof.inv_mass + dof.loaded * ground
     return True
 
 
@@ -167,48 +167,48 @@ def _slopes(el, formula):
 
 
 @njit(**CALLED)
-def _matrix(dofs, elements, r, room, h, shape):
+def _matrix(dofs, elements, run, room, h, shape):
     """M + h/2 C + h^2/4 K at the end of the step; `shape`: the deformation of every element from the displacements."""
-    size = np.zeros(r.m)
-    for e in range(r.m):
+    size = np.zeros(run.m)
+    for e in range(run.m):
         el = elements[e]
         k, c = _slopes(el, room.formulas[el.formula])
         size[e] = el.acts * (0.25 * h * h * k + 0.5 * h * c)
     rows = np.dot(shape.T * size, shape)
-    for i in range(r.n):
-        d = dofs[i]
-        rows[i, i] += d.mass * (1.0 + 0.5 * h * d.drag) if d.inv_mass > 0.0 else HEAVY
+    for i in range(run.n):
+        dof = dofs[i]
+        rows[i, i] += dof.mass * (1.0 + 0.5 * h * dof.drag) if dof.inv_mass > 0.0 else HEAVY
     return rows
 
 
 @njit(**PART)
-def _newmark(dofs, elements, terms, r, room, memory, shape, h, ground):
+def _newmark(dofs, elements, terms, run, room, memory, shape, h, ground):
     """The average acceleration, by Newton's method; whether it found a root."""
-    n = r.n
-    missing = np.zeros(r.n)
+    n = run.n
+    missing = np.zeros(run.n)
     kept = memory.copy()
     for i in range(n):  # as a first guess the acceleration stays
-        dofs[i].a1 = dofs[i].a0 - dofs[i].loaded * (r.g0 - ground)
+        dofs[i].a1 = dofs[i].a0 - dofs[i].loaded * (run.g0 - ground)
     for _ in range(ITERATIONS):
         for i in range(n):
-            d = dofs[i]
-            both = d.a0 - d.loaded * r.g0 + d.a1 - d.loaded * ground
-            d.u1 = d.u0 + h * d.w[0] + 0.25 * h * h * both
-            d.v1 = d.w[0] + 0.5 * h * both
+            dof = dofs[i]
+            both = dof.a0 - dof.loaded * run.g0 + dof.a1 - dof.loaded * ground
+            dof.u1 = dof.u0 + h * dof.w[0] + 0.25 * h * h * both
+            dof.v1 = dof.w[0] + 0.5 * h * both
         memory[:] = kept
-        forces(dofs, elements, terms, r, room, ground)
+        forces(dofs, elements, terms, run, room, ground)
         left = most = 0.0
         for i in range(n):
-            d = dofs[i]
-            inertia = d.mass * (d.a1 - d.loaded * ground)
-            missing[i] = -(inertia + d.push) if d.inv_mass > 0.0 else 0.0
+            dof = dofs[i]
+            inertia = dof.mass * (dof.a1 - dof.loaded * ground)
+            missing[i] = -(inertia + dof.push) if dof.inv_mass > 0.0 else 0.0
             left = max(left, abs(missing[i]))
-            most = max(most, max(abs(inertia), abs(d.push)))
+            most = max(most, max(abs(inertia), abs(dof.push)))
         if left <= CONVERGED * most:
             return True
         if not most < 1e300:
             break
-        more = np.linalg.solve(_matrix(dofs, elements, r, room, h, shape), missing)
+        more = np.linalg.solve(_matrix(dofs, elements, run, room, h, shape), missing)
         for i in range(n):
             dofs[i].a1 += more[i]
     memory[:] = kept
@@ -216,7 +216,7 @@ def _newmark(dofs, elements, terms, r, room, memory, shape, h, ground):
 
 
 @njit(**KERNEL)
-def march(dofs, elements, terms, run, series, columns, room, ground, slopes, memory, shape, parts, method):
+def march(dofs, elements, terms, runs, series, columns, room, ground, slopes, memory, shape, parts, method):
     """Run a scene in `parts` equal steps a sample of the motion, by a method of `FIXED`.
 
     memory : the elements as plain numbers
@@ -226,44 +226,44 @@ def march(dofs, elements, terms, run, series, columns, room, ground, slopes, mem
     ------
     LinAlgError : the matrix of Newton's method is singular
     """
-    r = run[0]
-    if not r.resumes:
-        begin(dofs, elements, terms, r, series)
-    half = np.zeros(r.n)
-    r.g0 = ground[0]
-    forces(dofs, elements, terms, r, room, r.g0)
-    for i in range(r.n):
-        dofs[i].a0 = -dofs[i].push * dofs[i].inv_mass + dofs[i].loaded * r.g0
-    whole = r.dt / parts
+    run = runs[0]
+    if not run.resumes:
+        begin(dofs, elements, terms, run, series)
+    half = np.zeros(run.n)
+    run.g0 = ground[0]
+    forces(dofs, elements, terms, run, room, run.g0)
+    for i in range(run.n):
+        dofs[i].a0 = -dofs[i].push * dofs[i].inv_mass + dofs[i].loaded * run.g0
+    whole = run.dt / parts
     first = True
     for segment in range(ground.size):
         elapsed = 0.0
         h = whole
-        length = r.rest if segment + 1 == ground.size else r.dt
-        while r.status == DONE and elapsed < length * (1.0 - 1e-12):
+        length = run.rest if segment + 1 == ground.size else run.dt
+        while run.status == DONE and elapsed < length * (1.0 - 1e-12):
             h = min(h, length - elapsed)
             if abs(h - whole) < 1e-9 * whole:
                 h = whole
-            r.g0 = ground[segment] + slopes[segment] * elapsed
+            run.g0 = ground[segment] + slopes[segment] * elapsed
             g1 = ground[segment] + slopes[segment] * (elapsed + h)
             if method == 0:
-                found = _central_difference(dofs, elements, terms, r, room, half, h, g1, first)
+                found = _central_difference(dofs, elements, terms, run, room, half, h, g1, first)
             else:
-                found = _newmark(dofs, elements, terms, r, room, memory, shape, h, g1)
+                found = _newmark(dofs, elements, terms, run, room, memory, shape, h, g1)
             if not found:
-                r.trials += 1
+                run.trials += 1
                 h *= 0.5
                 if h < SHORTEST * whole:
-                    r.status = NO_ROOT
+                    run.status = NO_ROOT
                 continue
             first = False
-            _end(dofs, elements, terms, r, columns, room, h)
+            _end(dofs, elements, terms, run, columns, room, h)
             elapsed += h
-            r.time = segment * r.dt + elapsed
+            run.time = segment * run.dt + elapsed
             h = whole
-        if r.status != DONE:
+        if run.status != DONE:
             break
-    return r.status
+    return run.status
 
 
 def central_difference_limit(layout: Layout, elements: np.ndarray, links: Sequence[Link]) -> float:

@@ -24,59 +24,61 @@ def _keeps_sign(first, last, deviation):
 
 
 @njit(**CALLED)
-def raise_peaks(dofs, elements, terms, r, series, columns):
+def raise_peaks(dofs, elements, terms, run, series, columns):
     """Raise every largest value that this step, up to s = run.end, exceeds."""
-    for i in range(r.n):
-        d = dofs[i]
-        if max(d.u0, d.u1) + d.du > d.u_max or min(d.u0, d.u1) - d.du < d.u_min:
-            d.u_max = max(d.u_max, d.u0, d.u1)
-            d.u_min = min(d.u_min, d.u0, d.u1)
-            if not _keeps_sign(d.w[0], d.v1, d.dv):
-                if max(d.u0, d.u1) + d.du > d.u_max:
-                    d.u_max = _displacement_peak(d, r, 1.0, d.u_max)
-                if min(d.u0, d.u1) - d.du < d.u_min:
-                    d.u_min = -_displacement_peak(d, r, -1.0, -d.u_min)
-        if d.felt == 0.0:
+    for i in range(run.n):
+        dof = dofs[i]
+        if max(dof.u0, dof.u1) + dof.du > dof.u_max or min(dof.u0, dof.u1) - dof.du < dof.u_min:
+            dof.u_max = max(dof.u_max, dof.u0, dof.u1)
+            dof.u_min = min(dof.u_min, dof.u0, dof.u1)
+            if not _keeps_sign(dof.w[0], dof.v1, dof.dv):
+                if max(dof.u0, dof.u1) + dof.du > dof.u_max:
+                    dof.u_max = _displacement_peak(dof, run, 1.0, dof.u_max)
+                if min(dof.u0, dof.u1) - dof.du < dof.u_min:
+                    dof.u_min = -_displacement_peak(dof, run, -1.0, -dof.u_min)
+        if dof.felt == 0.0:
             continue
-        largest = max(abs(d.a0), abs(d.a1))
-        if largest + d.da > d.a_max:
-            d.a_max = max(d.a_max, largest)
-            if _may_turn(d.a0, d.a1, d.da):
-                _acceleration_peak(d, r)
-    for e in range(r.m):
+        largest = max(abs(dof.a0), abs(dof.a1))
+        if largest + dof.da > dof.a_max:
+            dof.a_max = max(dof.a_max, largest)
+            if _may_turn(dof.a0, dof.a1, dof.da):
+                _acceleration_peak(dof, run)
+    for e in range(run.m):
         el = elements[e]
         storey = el.drifts != 0
         if _ends_rise(el, storey):
-            rate_series(dofs, elements, terms, r, e)
-            _deformation_peaks(el, r, storey)
+            rate_series(dofs, elements, terms, run, e)
+            _deformation_peaks(el, run, storey)
         if not storey and el.least > -TOUCH and el.v0 <= 0.0:  # how far floors in touch part, inside the step too
-            rate_series(dofs, elements, terms, r, e)
-            el.least = -highest(r, integral(r, -1.0, -el.v0), r.end, -el.least, storey)
+            rate_series(dofs, elements, terms, run, e)
+            el.least = -highest(run, integral(run, -1.0, -el.v0), run.end, -el.least, storey)
         if el.acts and (el.smooth if storey else el.closed):
-            _force_peak(el, r, series[el.row])
-    for c in range(r.columns):
+            _force_peak(el, run, series[el.row])
+    for c in range(run.columns):
         column = columns[c]
         el = elements[column.storey]
         if not el.twists:
-            _column_peak(dofs, elements, terms, r, series, column)
+            _column_peak(dofs, elements, terms, run, series, column)
             continue
         mate = elements[el.mate]
-        if column.is_sum and not r.smooth:
+        if column.is_sum and not run.smooth:
             one = el.k
             other = el.coupled_k
             constant = el.f0
             column.peak, rises = _ends_of_pair(el, mate, one, other, constant, column.peak)
             if rises:
-                column.peak = _peak_of_pair(dofs, elements, terms, r, el, one, other, constant, column.peak)
+                column.peak = _peak_of_pair(dofs, elements, terms, run, el, one, other, constant, column.peak)
         else:
-            _shear_peak(dofs, elements, terms, r, series, column)
+            _shear_peak(dofs, elements, terms, run, series, column)
         if column.is_sum:
             column.peak_low, rises = _ends_of_pair(el, mate, 1.0, column.low, 0.0, column.peak_low)
             if rises:
-                column.peak_low = _peak_of_pair(dofs, elements, terms, r, el, 1.0, column.low, 0.0, column.peak_low)
+                column.peak_low = _peak_of_pair(dofs, elements, terms, run, el, 1.0, column.low, 0.0, column.peak_low)
             column.peak_high, rises = _ends_of_pair(el, mate, 1.0, column.high, 0.0, column.peak_high)
             if rises:
-                column.peak_high = _peak_of_pair(dofs, elements, terms, r, el, 1.0, column.high, 0.0, column.peak_high)
+                column.peak_high = _peak_of_pair(
+                    dofs, elements, terms, run, el, 1.0, column.high, 0.0, column.peak_high
+                )
 
 
 @njit(**PART)
@@ -96,95 +98,95 @@ def _ends_rise(el, storey):
 
 
 @njit(**CALLED)
-def _deformation_peaks(el, r, storey):
+def _deformation_peaks(el, run, storey):
     """The same inside the step, for an element whose rate stands in r.p."""
-    n = integral(r, 1.0, el.v0)
-    el.peak_v = highest(r, n, r.end, el.peak_v, storey)
+    n = integral(run, 1.0, el.v0)
+    el.peak_v = highest(run, n, run.end, el.peak_v, storey)
     if storey and el.yields and not el.smooth:
         for k in range(n + 1):
-            r.p[k] *= el.k
-        r.p[0] += el.f0
-        el.peak_f = highest(r, n, r.end, el.peak_f, storey)
+            run.p[k] *= el.k
+        run.p[0] += el.f0
+        el.peak_f = highest(run, n, run.end, el.peak_f, storey)
 
 
 @njit(**CALLED)
-def _displacement_peak(d, r, side, peak):
+def _displacement_peak(dof, run, side, peak):
     """Largest displacement inside the step, times `side`."""
-    p = r.p
-    absolute = r.h < 0.0
-    p[0] = side * d.u0
-    for k in range(r.order + 1):
-        p[k + 1] = side * d.w[k] * r.h * INVERSE[k + 1]
-    return highest(r, r.order + 1, r.end, peak, absolute)
+    p = run.p
+    absolute = run.h < 0.0
+    p[0] = side * dof.u0
+    for k in range(run.order + 1):
+        p[k + 1] = side * dof.w[k] * run.h * INVERSE[k + 1]
+    return highest(run, run.order + 1, run.end, peak, absolute)
 
 
 @njit(**CALLED)
-def _acceleration_peak(d, r):
+def _acceleration_peak(dof, run):
     """Largest |total acceleration| inside the step."""
-    p = r.p
-    absolute = r.h > 0.0
-    for k in range(r.order):
-        p[k] = (k + 1) / r.h * d.w[k + 1]
-    p[0] += r.g0
-    p[1] += r.g1
-    d.a_max = highest(r, r.order - 1, r.end, d.a_max, absolute)
+    p = run.p
+    absolute = run.h > 0.0
+    for k in range(run.order):
+        p[k] = (k + 1) / run.h * dof.w[k + 1]
+    p[0] += run.g0
+    p[1] += run.g1
+    dof.a_max = highest(run, run.order - 1, run.end, dof.a_max, absolute)
 
 
 @njit(**CALLED)
-def _force_peak(el, r, s):
+def _force_peak(el, run, row):
     """Largest |force|, impulse and time of an element that acts."""
-    first = s.f[0]
+    first = row.f[0]
     deviation = 0.0
     last = 0.0
     impulse = 0.0
-    for k in range(r.order - 1, -1, -1):
-        f = s.f[k]
-        last = last * r.end + f
-        impulse = impulse * r.end + f * INVERSE[k + 1]
+    for k in range(run.order - 1, -1, -1):
+        f = row.f[k]
+        last = last * run.end + f
+        impulse = impulse * run.end + f * INVERSE[k + 1]
         deviation += k * (k - 1.0) * abs(f)
     el.f1 = last
     if el.relaxation > 0.0:
         el.h[0] = last
-    el.impulse += impulse * r.h * r.end
-    el.time += r.h * r.end
+    el.impulse += impulse * run.h * run.end
+    el.time += run.h * run.end
     deviation *= 0.125
     if max(abs(first), abs(last)) + deviation > el.peak_f:
         el.peak_f = max(el.peak_f, abs(first), abs(last))
         if _may_turn(first, last, deviation):
-            p = r.p
-            absolute = r.h > 0.0
-            for k in range(r.order):
-                p[k] = s.f[k]
-            el.peak_f = highest(r, r.order - 1, r.end, el.peak_f, absolute)
+            p = run.p
+            absolute = run.h > 0.0
+            for k in range(run.order):
+                p[k] = row.f[k]
+            el.peak_f = highest(run, run.order - 1, run.end, el.peak_f, absolute)
 
 
 @njit(**CALLED)
-def _column_peak(dofs, elements, terms, r, series, column):
+def _column_peak(dofs, elements, terms, run, series, column):
     """Largest |shear| in struck columns: their share of the storey's, and what blows on them add at that end."""
     el = elements[column.storey]
-    p = r.p
-    absolute = r.h > 0.0
+    p = run.p
+    absolute = run.h > 0.0
     if el.smooth:
-        s = series[el.row]
-        n = r.order
+        row = series[el.row]
+        n = run.order
         for k in range(n):
-            p[k] = column.share * s.f[k]
+            p[k] = column.share * row.f[k]
     else:
-        rate_series(dofs, elements, terms, r, np.int64(column.storey))
-        n = integral(r, column.share * el.k, column.share * (el.k * el.v0 + el.f0)) + 1
-    _add_forces(elements, terms, r, series, column)
-    column.peak = highest(r, n - 1, r.end, column.peak, absolute)
+        rate_series(dofs, elements, terms, run, np.int64(column.storey))
+        n = integral(run, column.share * el.k, column.share * (el.k * el.v0 + el.f0)) + 1
+    _add_forces(elements, terms, run, series, column)
+    column.peak = highest(run, n - 1, run.end, column.peak, absolute)
 
 
 @njit(**CALLED)
-def _add_forces(elements, terms, r, series, column):
+def _add_forces(elements, terms, run, series, column):
     """Add the forces of links, and of lines whose force is smooth, to the polynomial of a shear in r.p [N]."""
     for x in range(column.first, column.last):
         el = elements[terms[x].dof]
         if _adds_force(el):
-            s = series[el.row]
-            for k in range(r.order):
-                r.p[k] += terms[x].weight * s.f[k]
+            row = series[el.row]
+            for k in range(run.order):
+                run.p[k] += terms[x].weight * row.f[k]
 
 
 @njit(**PART)
@@ -209,35 +211,35 @@ def _ends_of_pair(el, mate, one, other, constant, peak):
 
 
 @njit(**CALLED)
-def _pair_series(dofs, elements, terms, r, el, one, other, constant):
+def _pair_series(dofs, elements, terms, run, el, one, other, constant):
     """Coefficients of one x drift + other x twist + constant of a storey, into r.p; returns their degree."""
-    p = r.p
+    p = run.p
     at = np.int64(SLOPE)
     start = one * el.v0 + other * elements[el.mate].v0 + constant
-    rate_series(dofs, elements, terms, r, np.int64(elements[el.mate].mate))
-    for k in range(r.order + 1):
+    rate_series(dofs, elements, terms, run, np.int64(elements[el.mate].mate))
+    for k in range(run.order + 1):
         p[at + k] = one * p[k]
-    rate_series(dofs, elements, terms, r, np.int64(el.mate))
-    for k in range(r.order + 1):
+    rate_series(dofs, elements, terms, run, np.int64(el.mate))
+    for k in range(run.order + 1):
         p[k] = p[at + k] + other * p[k]
-    return integral(r, 1.0, start)
+    return integral(run, 1.0, start)
 
 
 @njit(**CALLED)
-def _peak_of_pair(dofs, elements, terms, r, el, one, other, constant, peak):
+def _peak_of_pair(dofs, elements, terms, run, el, one, other, constant, peak):
     """The same inside the step."""
-    absolute = r.h > 0.0
-    n = _pair_series(dofs, elements, terms, r, el, one, other, constant)
-    return highest(r, n, r.end, peak, absolute)
+    absolute = run.h > 0.0
+    n = _pair_series(dofs, elements, terms, run, el, one, other, constant)
+    return highest(run, n, run.end, peak, absolute)
 
 
 @njit(**CALLED)
-def _shear_peak(dofs, elements, terms, r, series, column):
+def _shear_peak(dofs, elements, terms, run, series, column):
     """Largest |shear| of a storey whose floors twist, or of its struck columns: straight in drift and twist but for
     forces of links and of lines whose force is smooth."""
     el = elements[column.storey]
     share = column.share
-    absolute = r.h > 0.0
-    n = _pair_series(dofs, elements, terms, r, el, share * el.k, share * el.coupled_k, share * el.f0)
-    _add_forces(elements, terms, r, series, column)
-    column.peak = highest(r, n, r.end, column.peak, absolute)
+    absolute = run.h > 0.0
+    n = _pair_series(dofs, elements, terms, run, el, share * el.k, share * el.coupled_k, share * el.f0)
+    _add_forces(elements, terms, run, series, column)
+    column.peak = highest(run, n, run.end, column.peak, absolute)

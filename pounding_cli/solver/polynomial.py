@@ -31,13 +31,13 @@ def value(p, n, s, at=0):
 
 
 @njit(**CALLED)
-def first_crossing(r, n, end):
+def first_crossing(run, n, end):
     """First s in [0, end] where the polynomial in r.p stops being positive, or NEVER.
 
     Leading coefficients that are exactly zero mean "zero at the start": the sign of the first one that is not decides,
     so a start from rest on the boundary is settled by the first derivative that does not vanish.
     """
-    p = r.p
+    p = run.p
     first = 0
     while first <= n and p[first] == 0.0:
         first += 1
@@ -66,15 +66,15 @@ def first_crossing(r, n, end):
     if last > 0.0 and min(start, last) > 0.125 * bound * end:
         return NEVER
     if start_slope * last_slope > 0.0 and min(abs(start_slope), abs(last_slope)) > 0.125 * bend:
-        return NEVER if last > 0.0 else _bracketed(r, first, n, 0.0, end, start, last, LAST)
-    return _march(r, first, n, end, bound / end if end > 0.0 else 0.0, 1e-17 * size, last)
+        return NEVER if last > 0.0 else _bracketed(run, first, n, 0.0, end, start, last, LAST)
+    return _march(run, first, n, end, bound / end if end > 0.0 else 0.0, 1e-17 * size, last)
 
 
 @njit(**CALLED)
-def _bracketed(r, first, last, low, high, at_low, at_high, near):
+def _bracketed(run, first, last, low, high, at_low, at_high, near):
     """A root of the polynomial r.p[first] to r.p[last] between `low`, where it is `at_low`, and `high`, where it is
     `at_high` of the other sign or 0: Newton kept inside the bracket, until it moves by less than the part `near`."""
-    p = r.p
+    p = run.p
     s = low + (high - low) * at_low / (at_low - at_high)
     rising = at_low < 0.0
     for _ in range(100):
@@ -98,9 +98,9 @@ def _bracketed(r, first, last, low, high, at_low, at_high, near):
 
 
 @njit(**CALLED)
-def _march(r, first, n, end, bound, floor, last):
+def _march(run, first, n, end, bound, floor, last):
     """The first root by steps that never pass one, with |p''| <= bound; the sign at `end` decides if they get short."""
-    p = r.p
+    p = run.p
     s = 0.0
     total = floor
     for _ in range(400):
@@ -121,7 +121,7 @@ def _march(r, first, n, end, bound, floor, last):
         if step <= LAST * s:
             return s
         s += step
-    return _bracketed(r, first, n, s, end, total, last, LAST) if last <= 0.0 else s
+    return _bracketed(run, first, n, s, end, total, last, LAST) if last <= 0.0 else s
 
 
 PIECES = 8
@@ -129,13 +129,13 @@ PIECES = 8
 
 
 @njit(**CALLED)
-def highest(r, n, end, best, absolute):
+def highest(run, n, end, best, absolute):
     """The larger of `best` and the largest p (|p| if `absolute`) in [0, end].
 
     Nothing is searched that a bound excludes: all of p below `best`, a slope that keeps its sign, a slope that is
     monotone (then it has one zero at most).
     """
-    p = r.p
+    p = run.p
     q = np.int64(SLOPE)
     bound = 0.0
     last = p[0]
@@ -177,7 +177,7 @@ def highest(r, n, end, best, absolute):
         if first == 0.0:  # look behind the turn that the piece begins with
             first = value(p, n - 1, low + 1e-6 * end, q)
         if first * after < 0.0 and reach + rise > best:
-            found = value(p, n, _bracketed(r, q, q + n - 1, low, high, first, after, NEAR))
+            found = value(p, n, _bracketed(run, q, q + n - 1, low, high, first, after, NEAR))
             best = max(best, abs(found) if absolute else found)
         low = high
         left = right

@@ -44,36 +44,36 @@ NEAR = 1e-9
 
 
 @njit(**PART)
-def begin_step(r, elapsed, length, g, slope, output):
+def begin_step(run, elapsed, length, g, slope, output):
     """Length of the next step, and the ground in it; whether it reaches the end of a segment of this length [s]."""
     h = length - elapsed
-    whole = h <= r.longest * (1.0 + 1e-9)
+    whole = h <= run.longest * (1.0 + 1e-9)
     if not whole:
-        h /= np.ceil(h / r.longest - 1e-9)
-    if output < h - NEAR * r.dt:
+        h /= np.ceil(h / run.longest - 1e-9)
+    if output < h - NEAR * run.dt:
         h = output
         whole = False
-    r.h = h
-    r.end = 2.0
-    r.g0 = g + slope * elapsed
-    r.g1 = slope * h
+    run.h = h
+    run.end = 2.0
+    run.g0 = g + slope * elapsed
+    run.g1 = slope * h
     return whole
 
 
 @njit(**PART)
-def advance(dofs, elements, r):
+def advance(dofs, elements, run):
     """The end of this step is the start of the next."""
-    if r.still:
-        r.begun = r.time
-    for i in range(r.n):
-        d = dofs[i]
-        d.scale = max(FORGET * d.scale, abs(d.a0), abs(d.a1))
-        d.u0 = d.u1
-        d.w[0] = d.v1
-        d.fastest = max(d.fastest, abs(d.v1))
-        if d.u0 != 0.0 or d.w[0] != 0.0:
-            r.still = 0
-    for e in range(r.m):
+    if run.still:
+        run.begun = run.time
+    for i in range(run.n):
+        dof = dofs[i]
+        dof.scale = max(FORGET * dof.scale, abs(dof.a0), abs(dof.a1))
+        dof.u0 = dof.u1
+        dof.w[0] = dof.v1
+        dof.fastest = max(dof.fastest, abs(dof.v1))
+        if dof.u0 != 0.0 or dof.w[0] != 0.0:
+            run.still = 0
+    for e in range(run.m):
         el = elements[e]
         el.v0 = el.exact if el.pinned == VALUE else el.v1
         if el.pinned < RATE:
@@ -81,39 +81,39 @@ def advance(dofs, elements, r):
 
 
 @njit(**PART)
-def count(r, happened):
+def count(run, happened):
     """Count a step and see whether the run may go on."""
-    r.steps += 1
-    r.orders += r.order
-    if r.end > INSTANT:
-        r.instant = 0
+    run.steps += 1
+    run.orders += run.order
+    if run.end > INSTANT:
+        run.instant = 0
     if happened:
-        r.instant += 1
-        if r.instant > AT_INSTANT[0] + AT_INSTANT[1] * r.m:
-            r.status = STALLED
-    if r.steps > r.most_steps:
-        r.status = STEP_BOUND
-    if r.events > r.most_events:
-        r.status = EVENT_BOUND
+        run.instant += 1
+        if run.instant > AT_INSTANT[0] + AT_INSTANT[1] * run.m:
+            run.status = STALLED
+    if run.steps > run.most_steps:
+        run.status = STEP_BOUND
+    if run.events > run.most_events:
+        run.status = EVENT_BOUND
 
 
 @njit(**CALLED)
-def begin(dofs, elements, terms, r, series):
+def begin(dofs, elements, terms, run, series):
     """The branches of all elements, and their deformations at the displacements and velocities of the start."""
-    r.status = DONE
-    r.still = 1
-    for i in range(r.n):
-        d = dofs[i]
-        if d.u0 != 0.0 or d.w[0] != 0.0:
-            r.still = 0
-        d.u1 = d.u0
-        d.v1 = d.w[0]
-        d.u_max = d.u_min = d.u0
-    ends_of_elements(dofs, elements, terms, r)
-    enter_all(elements, r, series)
-    for i in range(r.n):
+    run.status = DONE
+    run.still = 1
+    for i in range(run.n):
+        dof = dofs[i]
+        if dof.u0 != 0.0 or dof.w[0] != 0.0:
+            run.still = 0
+        dof.u1 = dof.u0
+        dof.v1 = dof.w[0]
+        dof.u_max = dof.u_min = dof.u0
+    ends_of_elements(dofs, elements, terms, run)
+    enter_all(elements, run, series)
+    for i in range(run.n):
         hold_or_release(dofs[i], elements[i])
-    for e in range(r.m):
+    for e in range(run.m):
         el = elements[e]
         el.v0 = el.v1
         el.r0 = el.r1
@@ -122,18 +122,18 @@ def begin(dofs, elements, terms, r, series):
 
 
 @njit(**CALLED)
-def keep(dofs, elements, r, watch):
+def keep(dofs, elements, run, watch):
     """Keep the state at the end of the step as that of the next output time."""
-    t = r.output
-    r.output += 1
+    t = run.output
+    run.output += 1
     on_links = on_drags = 0.0
-    for i in range(r.n):
-        d = dofs[i]
-        watch.dofs[t, i, 0] = d.u1
-        watch.dofs[t, i, 1] = d.v1
-        watch.dofs[t, i, 2] = d.a1
+    for i in range(run.n):
+        dof = dofs[i]
+        watch.dofs[t, i, 0] = dof.u1
+        watch.dofs[t, i, 1] = dof.v1
+        watch.dofs[t, i, 2] = dof.a1
         watch.storeys[t, i] = elements[i].work
-    for e in range(r.m):
+    for e in range(run.m):
         el = elements[e]
         f = el.acts * (el.f1 if el.smooth else line_force(el, el.v1, el.r1))
         if el.twists:
@@ -141,22 +141,22 @@ def keep(dofs, elements, r, watch):
         if el.drifts:
             f -= 0.0 if el.smooth else el.c * el.r1
             f += el.f1 if el.holds else 0.0
-            if e >= r.n:  # what its storey has beside its own work and force
+            if e >= run.n:  # what its storey has beside its own work and force
                 watch.storeys[t, el.mate] += el.work
                 watch.elements[t, el.storey, 1] += el.along * f if el.smooth else 0.0
-        elif e < r.n + r.drags:
+        elif e < run.n + run.drags:
             on_drags += el.work
         else:
             on_links += el.work
         watch.elements[t, e, 0] = el.v1
         watch.elements[t, e, 1] = f
-    watch.energy[t, 0] = r.input
-    watch.energy[t, 1] = r.drag + r.dashpots + on_drags
+    watch.energy[t, 0] = run.input
+    watch.energy[t, 1] = run.drag + run.dashpots + on_drags
     watch.energy[t, 2] = on_links
 
 
 @njit(**KERNEL)
-def integrate(all_dofs, all_elements, terms, run, all_series, all_columns, rooms, watch, ground, slopes, ends):
+def integrate(all_dofs, all_elements, terms, runs, all_series, all_columns, rooms, watch, ground, slopes, ends):
     """Run scenes of one layout, a row each, through their whole motions. How each ends is run.status.
 
     ground, slopes : acceleration [m/s2] at the start of every segment of run.dt and its slope [m/s3], of the scenes one
@@ -165,74 +165,76 @@ def integrate(all_dofs, all_elements, terms, run, all_series, all_columns, rooms
     """
     terms = bare(terms)
     first = 0
-    for scene in range(run.size):
-        r = run[scene]
+    for scene in range(runs.size):
+        run = runs[scene]
         dofs = bare(all_dofs[scene])
         elements = bare(all_elements[scene])
         series = bare(all_series[scene])
         columns = bare(all_columns[scene])
-        pinned = r.resumes != 0  # what was known exactly at the end of the run before
+        pinned = run.resumes != 0  # what was known exactly at the end of the run before
         if not pinned:
-            begin(dofs, elements, terms, r, series)
-            if r.lines:
-                gather_lines(elements, r)
+            begin(dofs, elements, terms, run, series)
+            if run.lines:
+                gather_lines(elements, run)
         if watch.times.size > 0:
-            keep(dofs, elements, r, watch)
+            keep(dofs, elements, run, watch)
         for segment in range(ends[scene] - first):
             elapsed = 0.0
-            r.longest = r.most_h
-            r.follows = 0
-            length = r.rest if first + segment + 1 == ends[scene] else r.dt
-            while r.status == DONE and elapsed < length:
+            run.longest = run.most_h
+            run.follows = 0
+            length = run.rest if first + segment + 1 == ends[scene] else run.dt
+            while run.status == DONE and elapsed < length:
                 output = np.inf
-                if r.output < watch.times.size:
-                    output = watch.times[r.output] - (segment * r.dt + elapsed)
-                whole = begin_step(r, elapsed, length, ground[first + segment], slopes[first + segment], output)
-                planned = r.h
+                if run.output < watch.times.size:
+                    output = watch.times[run.output] - (segment * run.dt + elapsed)
+                whole = begin_step(run, elapsed, length, ground[first + segment], slopes[first + segment], output)
+                planned = run.h
                 shortened = False
-                smooth = r.smooth
+                smooth = run.smooth
                 if smooth:
                     if rooms is not None:
-                        take_smooth(dofs, elements, terms, r, series, Room(rooms.states[scene], rooms.formulas[scene]))
-                        shortened = r.h < planned
+                        take_smooth(
+                            dofs, elements, terms, run, series, Room(rooms.states[scene], rooms.formulas[scene])
+                        )
+                        shortened = run.h < planned
                 else:
-                    start(dofs, elements, terms, r, series)
-                    if not expand(dofs, elements, terms, r, series):
-                        ratio = shrink(dofs, elements, r, series)
+                    start(dofs, elements, terms, run, series)
+                    if not expand(dofs, elements, terms, run, series):
+                        ratio = shrink(dofs, elements, run, series)
                         if not ratio > SHORTEST:
-                            r.status = NOT_FINITE
-                        shortened = shorten(dofs, r, series, ratio)
-                if r.status != DONE:
+                            run.status = NOT_FINITE
+                        shortened = shorten(dofs, run, series, ratio)
+                if run.status != DONE:
                     break
-                summarise(dofs, elements, terms, r)
-                happened = first_event(dofs, elements, terms, r, series)
-                if r.end < 1.0:
-                    end_at(dofs, elements, terms, r)
+                summarise(dofs, elements, terms, run)
+                happened = first_event(dofs, elements, terms, run, series)
+                if run.end < 1.0:
+                    end_at(dofs, elements, terms, run)
                 else:
-                    r.end = 1.0
+                    run.end = 1.0
                 if rooms is not None:
                     if smooth:
-                        end_of_smooth(elements, r, Room(rooms.states[scene], rooms.formulas[scene]))
-                if r.has_sliders:
-                    keep_held_forces(elements, r, series)
-                add_energy(dofs, elements, r, series)
-                raise_peaks(dofs, elements, terms, r, series, columns)
-                if pinned and r.end > INSTANT:
-                    unpin(elements, r)
+                        end_of_smooth(elements, run, Room(rooms.states[scene], rooms.formulas[scene]))
+                if run.has_sliders:
+                    keep_held_forces(elements, run, series)
+                add_energy(dofs, elements, run, series)
+                raise_peaks(dofs, elements, terms, run, series, columns)
+                if pinned and run.end > INSTANT:
+                    unpin(elements, run)
                     pinned = False
-                advance(dofs, elements, r)
-                count(r, happened)
-                r.follows = smooth and not happened
-                elapsed += r.h * r.end
-                r.time = segment * r.dt + elapsed
-                if output <= r.h * r.end + NEAR * r.dt:
-                    keep(dofs, elements, r, watch)
+                advance(dofs, elements, run)
+                count(run, happened)
+                run.follows = smooth and not happened
+                elapsed += run.h * run.end
+                run.time = segment * run.dt + elapsed
+                if output <= run.h * run.end + NEAR * run.dt:
+                    keep(dofs, elements, run, watch)
                 if happened:
-                    commit(dofs, elements, terms, r, series)
+                    commit(dofs, elements, terms, run, series)
                     pinned = True
-                    r.longest = r.most_h
-                if whole and not shortened and r.end == 1.0:
+                    run.longest = run.most_h
+                if whole and not shortened and run.end == 1.0:
                     break
-            if r.status != DONE:
+            if run.status != DONE:
                 break
         first = ends[scene]

@@ -62,13 +62,13 @@ def push(dofs, terms, el, f):
 def push_by_storey(dofs, el, i, f, has_lean):
     """Let the force f of storey i act on its floor and on what it stands on. The weight on it (P-Delta) acts on the
     floors alone, by their displacements u1, which at a step's start are u0."""
-    d = dofs[i]
+    dof = dofs[i]
     if has_lean:
-        dofs[d.foot].push += d.lean * f
+        dofs[dof.foot].push += dof.lean * f
     if el.load != 0.0:
-        f -= el.load * (d.u1 - d.below * dofs[i - 1].u1)
-    d.push += f
-    if d.below != 0.0:
+        f -= el.load * (dof.u1 - dof.below * dofs[i - 1].u1)
+    dof.push += f
+    if dof.below != 0.0:
         dofs[i - 1].push -= f
 
 
@@ -80,54 +80,54 @@ def coupled_force(elements, el):
 
 
 @njit(**PART)
-def start(dofs, elements, terms, r, series):
+def start(dofs, elements, terms, run, series):
     """Order 0: forces of all elements, and accelerations of all degrees of freedom, which go to order 1 of w."""
-    for i in range(r.n):
-        dofs[i].push = dofs[i].mass * dofs[i].loaded * r.g0
-    for a in range(r.active):
-        s = series[a]
-        el = elements[s.element]
+    for i in range(run.n):
+        dofs[i].push = dofs[i].mass * dofs[i].loaded * run.g0
+    for a in range(run.active):
+        row = series[a]
+        el = elements[row.element]
         f = line_force(el, el.v0, el.r0)
-        s.v[0] = el.v0
-        s.rate[0] = el.r0
-        s.f[0] = f
+        row.v[0] = el.v0
+        row.rate[0] = el.r0
+        row.f[0] = f
         el.previous = el.r0
         if el.cubic != 0.0:
-            s.square[0] = el.v0 * el.v0
-            s.cubic_root[0] = math.sqrt(el.k + 3.0 * el.cubic * s.square[0])
+            row.square[0] = el.v0 * el.v0
+            row.cubic_root[0] = math.sqrt(el.k + 3.0 * el.cubic * row.square[0])
         if el.acts:
             push(dofs, terms, el, f)
-    has_lines = r.lines > 0
-    for i in range(r.n):
+    has_lines = run.lines > 0
+    for i in range(run.n):
         el = elements[i]
         f = line_force(el, el.v0, el.r0)
         if has_lines and el.twists:
             f += coupled_force(elements, el)
-        push_by_storey(dofs, el, i, f, r.has_lean)
-    for i in range(r.n):
-        d = dofs[i]
-        a = -d.inv_mass * d.push - d.drag * d.w[0]
-        d.push = d.mass * d.loaded * r.g1
-        d.a0 = a + d.felt * r.g0
-        d.w[1] = a * r.h
-        d.allowed = 1.0 / (r.tolerance * max(d.scale, r.least * d.unit))
+        push_by_storey(dofs, el, i, f, run.has_lean)
+    for i in range(run.n):
+        dof = dofs[i]
+        a = -dof.inv_mass * dof.push - dof.drag * dof.w[0]
+        dof.push = dof.mass * dof.loaded * run.g1
+        dof.a0 = a + dof.felt * run.g0
+        dof.w[1] = a * run.h
+        dof.allowed = 1.0 / (run.tolerance * max(dof.scale, run.least * dof.unit))
 
 
 @njit(**PART)
-def _cubic_term(el, s, k, v, rate):
+def _cubic_term(el, row, k, v, rate):
     """Order k of the force k v + p v^3 + root sqrt(k + 3 p v^2) v' [N]."""
-    s.v[k] = v
-    s.rate[k] = rate
+    row.v[k] = v
+    row.rate[k] = rate
     square = cube = root = dash = 0.0
     for j in range(k + 1):
-        square += s.v[j] * s.v[k - j]
-    s.square[k] = square
+        square += row.v[j] * row.v[k - j]
+    row.square[k] = square
     for j in range(1, k):
-        root += s.cubic_root[j] * s.cubic_root[k - j]
-    s.cubic_root[k] = (3.0 * el.cubic * square - root) / (2.0 * s.cubic_root[0])
+        root += row.cubic_root[j] * row.cubic_root[k - j]
+    row.cubic_root[k] = (3.0 * el.cubic * square - root) / (2.0 * row.cubic_root[0])
     for j in range(k + 1):
-        cube += s.square[j] * s.v[k - j]
-        dash += s.cubic_root[j] * s.rate[k - j]
+        cube += row.square[j] * row.v[k - j]
+        dash += row.cubic_root[j] * row.rate[k - j]
     return el.k * v + el.cubic * cube + el.root * dash
 
 
@@ -137,20 +137,20 @@ def _push_of_links(dofs, elements, terms, series, count, k, part):
     off, over what may be left out: it moves no floor, but its sign is asked for."""
     largest = 0.0
     for a in range(count):
-        s = series[a]
-        el = elements[s.element]
+        row = series[a]
+        el = elements[row.element]
         rate = _link_rate(dofs, terms, k, el)
         v = part * el.previous
         el.previous = rate
         if el.relaxation > 0.0:  # F' = k v' - F / relaxation time
-            f = el.k * v - el.relaxation * part * s.f[k - 1]
+            f = el.k * v - el.relaxation * part * row.f[k - 1]
         elif el.cubic != 0.0:
-            f = _cubic_term(el, s, k, v, rate)
+            f = _cubic_term(el, row, k, v, rate)
         else:
             f = el.k * v + el.c * rate
-        s.v[k] = v
-        s.rate[k] = rate
-        s.f[k] = f
+        row.v[k] = v
+        row.rate[k] = rate
+        row.f[k] = f
         if el.acts:
             push(dofs, terms, el, f)
         else:
@@ -161,13 +161,13 @@ def _push_of_links(dofs, elements, terms, series, count, k, part):
 
 
 @njit(**PART)
-def _next_velocity(d, k, w, f, after):
+def _next_velocity(dof, k, w, f, after):
     """Order k + 1 of the velocity of a degree of freedom, where order k is w and the forces of its storeys add up to f;
     returns the size of its acceleration, over what may be left out."""
-    a = -d.inv_mass * (f + d.push) - d.drag * w
-    d.push = 0.0
-    d.w[k + 1] = a * after
-    return abs(a) * d.allowed
+    a = -dof.inv_mass * (f + dof.push) - dof.drag * w
+    dof.push = 0.0
+    dof.w[k + 1] = a * after
+    return abs(a) * dof.allowed
 
 
 @njit(**PART)
@@ -176,20 +176,20 @@ def _walk_up(dofs, elements, n, k, part, after, has_lean):
     rock come after their floors, whose forces they feel; the weight on a storey acts on the floors alone."""
     size = left = before = own = 0.0
     for i in range(n):  # from 0 on by the same sums, so that equal buildings move alike to the last digit
-        d = dofs[i]
+        dof = dofs[i]
         el = elements[i]
-        w = d.w[k]
-        earlier = d.w[k - 1]
-        moved = part * (earlier - d.below * before)
-        rate = w - d.below * left
+        w = dof.w[k]
+        earlier = dof.w[k - 1]
+        moved = part * (earlier - dof.below * before)
+        rate = w - dof.below * left
         f = el.stiffness * moved + el.c * rate
         if has_lean:
-            foot = dofs[d.foot]
-            leaned = d.lean * (el.k * part * foot.w[k - 1] + el.c * foot.w[k])
-            foot.push += d.lean * (f + el.load * moved + leaned)
+            foot = dofs[dof.foot]
+            leaned = dof.lean * (el.k * part * foot.w[k - 1] + el.c * foot.w[k])
+            foot.push += dof.lean * (f + el.load * moved + leaned)
             f += leaned
         if i > 0:
-            size = max(size, _next_velocity(dofs[i - 1], k, left, own - d.below * f, after))
+            size = max(size, _next_velocity(dofs[i - 1], k, left, own - dof.below * f, after))
         left = w
         before = earlier
         own = f
@@ -202,20 +202,20 @@ def _walk_up_twisting(dofs, elements, n, k, part, after, has_lean):
     size = left = before = own = left_turn = before_turn = own_turn = 0.0
     last = -1
     for i in range(n):
-        d = dofs[i]
+        dof = dofs[i]
         el = elements[i]
         if el.twists and el.mate < np.uint64(i):  # a twist, which comes with its drift
             continue
-        w = d.w[k]
-        earlier = d.w[k - 1]
-        moved = part * (earlier - d.below * before)
-        rate = w - d.below * left
+        w = dof.w[k]
+        earlier = dof.w[k - 1]
+        moved = part * (earlier - dof.below * before)
+        rate = w - dof.below * left
         f = el.stiffness * moved + el.c * rate
         leaned = leaned_rate = 0.0
         if has_lean:
-            foot = dofs[d.foot]
-            leaned = d.lean * part * foot.w[k - 1]
-            leaned_rate = d.lean * foot.w[k]
+            foot = dofs[dof.foot]
+            leaned = dof.lean * part * foot.w[k - 1]
+            leaned_rate = dof.lean * foot.w[k]
         if el.twists:
             turn = dofs[el.mate]
             mate = elements[el.mate]
@@ -235,10 +235,10 @@ def _walk_up_twisting(dofs, elements, n, k, part, after, has_lean):
                 size = max(size, _next_velocity(turn, k, left_turn, own_turn, after))
         if has_lean:
             lean_force = el.k * leaned + el.c * leaned_rate
-            foot.push += d.lean * (f + el.load * moved + lean_force)
+            foot.push += dof.lean * (f + el.load * moved + lean_force)
             f += lean_force
         if last >= 0:
-            size = max(size, _next_velocity(dofs[last], k, left, own - d.below * f, after))
+            size = max(size, _next_velocity(dofs[last], k, left, own - dof.below * f, after))
         left = w
         before = earlier
         own = f
@@ -247,16 +247,16 @@ def _walk_up_twisting(dofs, elements, n, k, part, after, has_lean):
 
 
 @njit(**PART)
-def expand(dofs, elements, terms, r, series):
+def expand(dofs, elements, terms, run, series):
     """Series of the velocities, up to the order at which two terms of all accelerations in a row are small enough or
     the highest one. Returns whether they are; the order goes to run.order."""
-    n = r.n
-    h = r.h
-    count = r.active
-    has_lean = r.has_lean
-    has_lines = r.lines > 0
-    least = ORDER_FROM_REST if r.still else MIN_ORDER
-    most = max(r.max_order, least)
+    n = run.n
+    h = run.h
+    count = run.active
+    has_lean = run.has_lean
+    has_lines = run.lines > 0
+    least = ORDER_FROM_REST if run.still else MIN_ORDER
+    most = max(run.max_order, least)
     # for the constant 1 all that takes k would be compiled once more
     small = 0
     k = np.int64(1)
@@ -276,19 +276,19 @@ def expand(dofs, elements, terms, r, series):
             size = max(size, _walk_up(dofs, elements, n, k, part, after, False))
         small = small + 1 if size < 1.0 else 0
         k += 1
-    r.order = k
+    run.order = k
     return small > 1
 
 
 @njit(**PART)
-def shrink(dofs, elements, r, series):
+def shrink(dofs, elements, run, series):
     """The part of the step in which the last two terms are small enough [-]; NaN beyond the range of doubles."""
     worst = 0.0
-    for k in (r.order - 1, r.order):
+    for k in (run.order - 1, run.order):
         size = 0.0
-        for i in range(r.n):
-            size = max(size, abs(dofs[i].w[k]) * k / r.h * dofs[i].allowed)
-        for a in range(r.active):
+        for i in range(run.n):
+            size = max(size, abs(dofs[i].w[k]) * k / run.h * dofs[i].allowed)
+        for a in range(run.active):
             el = elements[series[a].element]
             if not el.acts:
                 one = dofs[el.left]
@@ -303,24 +303,24 @@ def shrink(dofs, elements, r, series):
 
 
 @njit(**CALLED)
-def shorten(dofs, r, series, ratio):
+def shorten(dofs, run, series, ratio):
     """Shorten a step whose series do not converge to about `ratio` of it: the motion is the same, s is measured anew.
     Whether it was."""
     if not ratio < 1.0:
         return False
     if ratio > 0.1:
         ratio = 1.0 / np.ceil(1.0 / ratio)
-        r.longest = r.h * ratio
+        run.longest = run.h * ratio
     power = 1.0
-    for k in range(r.order + 1):
-        for i in range(r.n):
+    for k in range(run.order + 1):
+        for i in range(run.n):
             dofs[i].w[k] *= power
-        for a in range(r.active):
-            s = series[a]
-            s.v[k] *= power
-            s.rate[k] *= power
-            s.f[k] *= power
+        for a in range(run.active):
+            row = series[a]
+            row.v[k] *= power
+            row.rate[k] *= power
+            row.f[k] *= power
         power *= ratio
-    r.h *= ratio
-    r.g1 *= ratio
+    run.h *= ratio
+    run.g1 *= ratio
     return True

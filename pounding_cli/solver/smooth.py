@@ -88,7 +88,7 @@ SHORTEST = 1e-15
 
 
 @njit(**PART)
-def _state_at(dofs, elements, terms, r, states, stage):
+def _state_at(dofs, elements, terms, run, states, stage):
     """The states y of a stage, y0 + h (A k), as displacements, velocities, deformations, rates and history variables
     of the records."""
     for i in range(states.size):
@@ -96,34 +96,34 @@ def _state_at(dofs, elements, terms, r, states, stage):
         total = 0.0
         for j in range(stage):
             total += A[stage, j] * state.k[j]
-        state.y = state.y0 + r.h * total
-    for i in range(r.n):
+        state.y = state.y0 + run.h * total
+    for i in range(run.n):
         dofs[i].u1 = states[i].y
-        dofs[i].v1 = states[r.n + i].y
-    ends_of_elements(dofs, elements, terms, r)
-    for e in range(r.m):
+        dofs[i].v1 = states[run.n + i].y
+    ends_of_elements(dofs, elements, terms, run)
+    for e in range(run.m):
         el = elements[e]
         if el.state > 0:
             el.h[0] = states[el.state].y
 
 
 @njit(**PART)
-def _derivative(dofs, elements, terms, r, series, room, stage):
+def _derivative(dofs, elements, terms, run, series, room, stage):
     """Derivatives of the states at a stage."""
     states = room.states
     formulas = room.formulas
-    n = r.n
-    ground = r.g0 + r.g1 * C[stage]
+    n = run.n
+    ground = run.g0 + run.g1 * C[stage]
     for i in range(n):
         states[i].k[stage] = dofs[i].v1
         dofs[i].push = dofs[i].mass * dofs[i].loaded * ground
-    for a in range(r.active):
+    for a in range(run.active):
         el = elements[series[a].element]
         if el.state > 0 and not el.drifts:
             states[el.state].k[stage] = el.k * el.r1 - el.relaxation * el.h[0]
         if el.acts:
             push(dofs, terms, el, force(el, el.v1, el.r1, formulas[el.formula]))
-    for e in range(n + r.drags, n + r.drags + r.lines):
+    for e in range(n + run.drags, n + run.drags + run.lines):
         el = elements[e]
         if el.state > 0:
             states[el.state].k[stage] = history_rate(el, el.r1, el.h[0])
@@ -132,17 +132,17 @@ def _derivative(dofs, elements, terms, r, series, room, stage):
         if el.state > 0:
             states[el.state].k[stage] = history_rate(el, el.r1, el.h[0])
         f = force(el, el.v1, el.r1, formulas[el.formula])
-        if r.lines > 0 and el.twists:
+        if run.lines > 0 and el.twists:
             mate = elements[el.mate]
             f += el.coupled_k * mate.v1 + el.coupled_c * mate.r1
-        push_by_storey(dofs, el, i, f, r.has_lean)
+        push_by_storey(dofs, el, i, f, run.has_lean)
     for i in range(n):
-        d = dofs[i]
-        states[n + i].k[stage] = -d.inv_mass * d.push - d.drag * d.v1
+        dof = dofs[i]
+        states[n + i].k[stage] = -dof.inv_mass * dof.push - dof.drag * dof.v1
 
 
 @njit(**PART)
-def _error(r, states):
+def _error(run, states):
     """Error of the step over what it may be [-], the largest of all states: in a long row a mean would hide it.
 
     Infinite where a state is not finite, which a comparison passes over."""
@@ -153,7 +153,7 @@ def _error(r, states):
         for j in range(STAGES):
             e5 += E5[j] * state.k[j]
             e3 += E3[j] * state.k[j]
-        per = 1.0 / (r.smooth_tolerance * max(state.scale, abs(state.y0), abs(state.y)))
+        per = 1.0 / (run.smooth_tolerance * max(state.scale, abs(state.y0), abs(state.y)))
         worst5 = max(worst5, abs(e5 * per))
         worst3 = max(worst3, abs(e3 * per))
         total += abs(e5 * per)
@@ -161,73 +161,75 @@ def _error(r, states):
         return math.inf
     if worst5 == 0.0 and worst3 == 0.0:
         return 0.0
-    return r.h * worst5 * worst5 / math.hypot(worst5, 0.1 * worst3)
+    return run.h * worst5 * worst5 / math.hypot(worst5, 0.1 * worst3)
 
 
 @njit(**PART)
-def _longest(elements, r, series):
+def _longest(elements, run, series):
     """The longest step worth trying [s]: up to near where a contact parts, or across it."""
     longest = math.inf
-    for a in range(r.active):
+    for a in range(run.active):
         el = elements[series[a].element]
         if el.smooth and el.low == 0.0 and el.r0 < 0.0:
-            longest = min(longest, max(-NEARER * el.v0 / el.r0, LONGER * r.across))
+            longest = min(longest, max(-NEARER * el.v0 / el.r0, LONGER * run.across))
     return longest
 
 
 @njit(**CALLED)
-def take_smooth(dofs, elements, terms, r, series, room):
+def take_smooth(dofs, elements, terms, run, series, room):
     """A step that DOP853 accepts: the velocities' polynomials in `dofs`, the forces' in `series`."""
     room = Room(bare(room.states), bare(room.formulas))
     states = room.states
-    n = r.n
+    n = run.n
     for i in range(n):
         states[i].y0 = dofs[i].u0
         states[n + i].y0 = dofs[i].w[0]
-    for e in range(r.m):
+    for e in range(run.m):
         if elements[e].state > 0:
             states[elements[e].state].y0 = elements[e].h[0]
-    r.next = min(r.next, _longest(elements, r, series))
-    if r.h > r.next > 0.0:
-        part = 1.0 / math.ceil(r.h / r.next - 1e-9)
-        r.h *= part
-        r.g1 *= part
+    run.next = min(run.next, _longest(elements, run, series))
+    if run.h > run.next > 0.0:
+        part = 1.0 / math.ceil(run.h / run.next - 1e-9)
+        run.h *= part
+        run.g1 *= part
     stage = 0
-    if r.follows:  # the derivatives at the end of the last step are those at the start of this one
+    if run.follows:  # the derivatives at the end of the last step are those at the start of this one
         stage = 1
         for i in range(states.size):
             states[i].k[0] = states[i].k[STAGES]
     while stage < ALL:
-        _state_at(dofs, elements, terms, r, states, stage)
+        _state_at(dofs, elements, terms, run, states, stage)
         if stage == STAGES:
-            error = _error(r, states)
-            factor = max(LEAST, min(MOST, SAFETY * r.smaller * max(error, 1e-300) ** (-0.125)))
+            error = _error(run, states)
+            factor = max(LEAST, min(MOST, SAFETY * run.smaller * max(error, 1e-300) ** (-0.125)))
             if not error < 1.0:
-                r.h *= factor
-                r.g1 *= factor
-                r.trials += 1
-                if r.h < SHORTEST * r.dt:
-                    r.status = STEP_BOUND if error < math.inf else NOT_FINITE
+                run.h *= factor
+                run.g1 *= factor
+                run.trials += 1
+                if run.h < SHORTEST * run.dt:
+                    run.status = STEP_BOUND if error < math.inf else NOT_FINITE
                     return
                 stage = 1
                 continue
-            if r.onset < 0.0:  # the first step of a contact: where its force has no derivatives steps have to grow anew
-                r.onset = r.h
-                r.across = max(r.across, r.h)
-            r.next = r.h * factor
+            if (
+                run.onset < 0.0
+            ):  # the first step of a contact: where its force has no derivatives steps have to grow anew
+                run.onset = run.h
+                run.across = max(run.across, run.h)
+            run.next = run.h * factor
             for i in range(states.size):
                 states[i].scale = max(states[i].scale, 0.01 * abs(states[i].y))
-        _derivative(dofs, elements, terms, r, series, room, stage)
+        _derivative(dofs, elements, terms, run, series, room, stage)
         stage += 1
-    _take_polynomials(dofs, elements, terms, r, series, room)
+    _take_polynomials(dofs, elements, terms, run, series, room)
 
 
 @njit(**PART)
-def _take_polynomials(dofs, elements, terms, r, series, room):
+def _take_polynomials(dofs, elements, terms, run, series, room):
     """Polynomials of velocities, history variables and forces."""
     states = room.states
-    n = r.n
-    r.order = ORDER + 1
+    n = run.n
+    run.order = ORDER + 1
     for i in range(n, states.size):
         state = states[i]
         state.c[0] = state.y0
@@ -235,61 +237,61 @@ def _take_polynomials(dofs, elements, terms, r, series, room):
             total = 0.0
             for j in range(ALL):
                 total += DENSE[k, j] * state.k[j]
-            state.c[k + 1] = r.h * total
+            state.c[k + 1] = run.h * total
     for i in range(n):
-        d = dofs[i]
+        dof = dofs[i]
         state = states[n + i]
-        d.a0 = state.k[0] + d.felt * r.g0
+        dof.a0 = state.k[0] + dof.felt * run.g0
         for k in range(1, ORDER + 1):
-            d.w[k] = state.c[k]
-        d.w[ORDER + 1] = 0.0
-    for e in range(r.m):
+            dof.w[k] = state.c[k]
+        dof.w[ORDER + 1] = 0.0
+    for e in range(run.m):
         el = elements[e]
         if el.smooth if e < n or el.drifts else el.closed:
-            rate_series(dofs, elements, terms, r, e)
-            _fit_force(el, r, series[el.row], states[el.state], room.formulas[el.formula], el.drifts)
+            rate_series(dofs, elements, terms, run, e)
+            _fit_force(el, run, series[el.row], states[el.state], room.formulas[el.formula], el.drifts)
 
 
 @njit(**CALLED)
-def _fit_force(el, r, s, state, formula, storey):
+def _fit_force(el, run, row, state, formula, storey):
     """Polynomials of the rate of an element, which stands in r.p, and of its force: of a storey or a frame line without
     its dashpot."""
     for k in range(POINTS):
-        s.rate[k] = r.p[k]
-    integral(r, 1.0, el.v0)
+        row.rate[k] = run.p[k]
+    integral(run, 1.0, el.v0)
     for place in range(POINTS):
         at = PLACES[place]
-        v = r.p[POINTS]
+        v = run.p[POINTS]
         rate = 0.0
         h = 0.0
         for k in range(POINTS - 1, -1, -1):
-            v = v * at + r.p[k]
-            rate = rate * at + s.rate[k]
+            v = v * at + run.p[k]
+            rate = rate * at + row.rate[k]
             h = h * at + state.c[k]
         if el.state > 0:
             el.h[0] = h
-        r.values[place] = force(el, v, rate, formula)
+        run.values[place] = force(el, v, rate, formula)
         if storey:
-            r.values[place] -= el.c * rate
+            run.values[place] -= el.c * rate
     largest = 0.0
     for place in range(POINTS):
-        largest = max(largest, abs(r.values[place]))
+        largest = max(largest, abs(run.values[place]))
     for k in range(POINTS):
         f = 0.0
         for place in range(POINTS):
-            f += FIT[k, place] * r.values[place]
+            f += FIT[k, place] * run.values[place]
         if abs(f) <= LAST_OF_SUM * FIT_SIZE[k] * largest:  # else it is no rounding
             size = 0.0
             for place in range(POINTS):
-                size += abs(FIT[k, place] * r.values[place])
+                size += abs(FIT[k, place] * run.values[place])
             f = zero_if_rounding(f, size, LAST_OF_SUM)  # events ask for the first coefficient that is not zero
-        s.f[k] = f
+        row.f[k] = f
 
 
 @njit(**PART)
-def end_of_smooth(elements, r, room):
+def end_of_smooth(elements, run, room):
     """History variables at the end of the step."""
-    for e in range(r.m):
+    for e in range(run.m):
         el = elements[e]
         if el.state > 0:
-            el.h[0] = value(room.states[el.state].c, ORDER, r.end)
+            el.h[0] = value(room.states[el.state].c, ORDER, run.end)
