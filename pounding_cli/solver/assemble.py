@@ -64,7 +64,7 @@ Weights = dict[int, float]
 """Weight of every degree of freedom in the deformation of an element."""
 
 
-def max_order(tolerance: float) -> int:
+def find_max_order(tolerance: float) -> int:
     """Highest order worth computing before a step is cut, measured over Figs 6 and 7, touching pairs, P-Delta and rows:
     12 at 1e-4, 18 at 1e-12. Most steps end at a sample of the motion or at an event, so that it lies below the
     optimum of long steps, -ln(tol) / 2 + 1 (Jorba & Zou 2005), where much is asked."""
@@ -175,7 +175,7 @@ class Layout:
         return slice(first, first + len(self.lines))
 
 
-def _element(behaviour: Behaviour, p: Sequence[float] = (), **more: float) -> dict[str, Any]:
+def _build_element(behaviour: Behaviour, p: Sequence[float] = (), **more: float) -> dict[str, Any]:
     """The fields of an element with these parameters."""
     return {
         "kind": BEHAVIOURS.index(behaviour),
@@ -185,13 +185,13 @@ def _element(behaviour: Behaviour, p: Sequence[float] = (), **more: float) -> di
     }
 
 
-def _storey(k: float, c: float, law: StoreyLaw | None = None) -> dict[str, Any]:
+def _build_storey(k: float, c: float, law: StoreyLaw | None = None) -> dict[str, Any]:
     """The element of a storey or under a base, with a dashpot c [N s/m]; with a spring k [N/m] where it cannot
     yield."""
     if law is None:
-        return _element(JOINED, (k, c), c=c, drifts=1)
+        return _build_element(JOINED, (k, c), c=c, drifts=1)
     slides = int(isinstance(law, Slider))
-    return _element(law.behaviour, law.element_parameters(), c=c, yields=1, slides=slides, drifts=1)
+    return _build_element(law.behaviour, law.element_parameters(), c=c, yields=1, slides=slides, drifts=1)
 
 
 class _Building:
@@ -208,12 +208,12 @@ class _Building:
         self.base = self.foot = -1
         if f is not None and f.sways:
             self.base = first
-            self._add(f.mass, _storey(*b.base_spring, b.isolators))
+            self._add(f.mass, _build_storey(*b.base_spring, b.isolators))
         start = first + len(self.dofs)
         self.floors = slice(start, start + b.storeys)
         self.turns = slice(start, start)
         if isinstance(b, Wall) and not b.moves:
-            self._add(math.inf, _storey(0.0, 0.0))
+            self._add(math.inf, _build_storey(0.0, 0.0))
             return
         if f is not None and f.rocks:
             self.foot = self.floors.stop
@@ -224,9 +224,9 @@ class _Building:
             height = float(b.height[j])
             limit = float(b.collapse_drift[j]) if collapses else math.inf
             load = 0.0 if b.gravity_load is None else float(b.gravity_load[j]) / height
-            storey = _storey(law.stiffness, b.beta * law.stiffness, law if yields and law.can_yield else None)
+            storey = _build_storey(law.stiffness, b.beta * law.stiffness, law if yields and law.can_yield else None)
             if b.plan is not None:  # its lines resist
-                storey = _storey(0.0, 0.0)
+                storey = _build_storey(0.0, 0.0)
                 limit = math.inf
                 storey |= {"twists": self._twists(j), "mate": self._first_turn + j}
             self._add(
@@ -235,9 +235,9 @@ class _Building:
             )  # fmt: skip
             if f is not None and b.alpha > 0:
                 ends = {start + j: 1.0, self.base: -1.0, self.foot: -float(b.elevation[j])}
-                self.drags.append((_element(JOINED, (0.0, b.alpha * mass)), _moving(ends)))
+                self.drags.append((_build_element(JOINED, (0.0, b.alpha * mass)), _drop_fixed(ends)))
         if f is not None and rocks:
-            self._add(f.inertia, _storey(f.rocking_stiffness, f.rocking_damping), loaded=0.0)
+            self._add(f.inertia, _build_storey(f.rocking_stiffness, f.rocking_damping), loaded=0.0)
         if b.plan is not None:
             self._add_turns(b.plan)
             self._add_lines(b.plan, yields, collapses)
@@ -256,7 +256,7 @@ class _Building:
             load = 0.0
             if b.gravity_load is not None:
                 load = float(b.gravity_load[j] * square_radius[j] / b.height[j])
-            storey = _storey(stiffness, b.beta * stiffness)
+            storey = _build_storey(stiffness, b.beta * stiffness)
             storey |= {"load": load, "twists": self._twists(j), "mate": self.floors.start + j}
             self._add(
                 float(plan.inertia[j]), storey, drag=b.alpha, below=1.0 if j else 0.0, loaded=0.0, felt=0.0,
@@ -278,11 +278,11 @@ class _Building:
                 if is_along:
                     weights |= {self.floors.start + j: 1.0, below: -1.0, self.foot: -float(b.height[j])}
                 yielding = law if yields and law.can_yield else None
-                element = _storey(law.stiffness, b.beta * law.stiffness, yielding)
+                element = _build_storey(law.stiffness, b.beta * law.stiffness, yielding)
                 limit = float(b.collapse_drift[j]) if collapses and is_along else math.inf
                 element |= {"collapse": limit, "storey": self.floors.start + j, "mate": turn}
                 element |= {"along": float(is_along), "lever": lever}
-                self.lines.append(Line(element, _moving(weights), j, number))
+                self.lines.append(Line(element, _drop_fixed(weights), j, number))
 
     def _add(self, mass: float, storey: dict[str, Any], **more: float) -> None:
         """A degree of freedom and the element below it; a mass of inf does not move."""
@@ -310,10 +310,10 @@ class _Building:
             weights |= {turn: -arm * shape}
             if floor > 1:
                 weights |= {turn - 1: -arm * (1.0 - shape)}
-        return _moving(weights)
+        return _drop_fixed(weights)
 
 
-def _moving(weights: Weights) -> Weights:
+def _drop_fixed(weights: Weights) -> Weights:
     """Without degrees of freedom that are not there (-1) or have no weight."""
     return {dof: weight for dof, weight in weights.items() if dof >= 0 and weight}
 
@@ -331,7 +331,7 @@ def _find_columns(number: int, tie: Tie) -> Columns:
     return Columns(number, building, storey, at, tie.columns, tie.cosine, on_left)
 
 
-def _filled(dtype: np.dtype, rows: Sequence[Mapping[str, Any]], least: int = 0) -> np.ndarray:
+def _fill_records(dtype: np.dtype, rows: Sequence[Mapping[str, Any]], least: int = 0) -> np.ndarray:
     """Records with these fields, zero where nothing is said."""
     records = np.zeros(max(len(rows), least), dtype)
     for record, row in zip(records, rows, strict=False):
@@ -340,7 +340,7 @@ def _filled(dtype: np.dtype, rows: Sequence[Mapping[str, Any]], least: int = 0) 
     return records
 
 
-def _tie(element: np.void, weights: Weights, terms: list[tuple[float, int]]) -> None:
+def _enter_ends(element: np.void, weights: Weights, terms: list[tuple[float, int]]) -> None:
     """Enter the degrees of freedom of an element: two plain ends where there are, all else as terms."""
     ends = [next((i for i, w in weights.items() if w == sign), -1) for sign in (1.0, -1.0)]
     left, right = (0, 0) if -1 in ends else ends  # no plain ends: all weights are terms
@@ -352,7 +352,7 @@ def _tie(element: np.void, weights: Weights, terms: list[tuple[float, int]]) -> 
     element["last"] = len(terms)
 
 
-def _column_shears(
+def _build_column_shears(
     struck: Sequence[Columns], made: Sequence[_Building], first_line: int, terms: list[tuple[float, int]]
 ) -> list[dict[str, Any]]:
     """The shears below and above the end of every link on columns: what the columns have of the storey's shear, and of
@@ -373,14 +373,14 @@ def _column_shears(
                 higher = other.at > own.at if above else other.at >= own.at
                 weight = other.cosine * (1.0 - to_above if higher else -to_above)
                 terms.append((weight if own.on_left else -weight, first_link + other.link))
-            lines = _lines_of_storey(made, own.building, own.storey - 1, first_line)
+            lines = _list_lines_of_storey(made, own.building, own.storey - 1, first_line)
             terms += [(own.share, line) for line in lines]
             storey = made[own.building].floors.start + own.storey - 1
             shears.append({"share": own.share, "storey": storey, "first": first, "last": len(terms)})
     return shears
 
 
-def _storey_shears(
+def _build_storey_shears(
     number: int, made: Sequence[_Building], first_line: int, terms: list[tuple[float, int]]
 ) -> list[dict[str, Any]]:
     """The shears of the storeys of a building whose floors twist, from the ground up: the sums of its lines along the
@@ -394,13 +394,13 @@ def _storey_shears(
     shears = []
     for j in range(building.building.storeys):
         first = len(terms)
-        terms += [(1.0, line) for line in _lines_of_storey(made, number, j, first_line)]
+        terms += [(1.0, line) for line in _list_lines_of_storey(made, number, j, first_line)]
         shear = {"share": 1.0, "storey": building.floors.start + j, "first": first, "last": len(terms)}
         shears.append(shear | {"is_sum": 1, "low": -plan.low, "high": -plan.high})
     return shears
 
 
-def _lines_of_storey(made: Sequence[_Building], number: int, storey: int, first_line: int) -> list[int]:
+def _list_lines_of_storey(made: Sequence[_Building], number: int, storey: int, first_line: int) -> list[int]:
     """Return the elements of the lines along the row of a storey from 0 of a building, none where floors do not twist.
 
     number : of the building; first_line : element of the first line of all buildings
@@ -414,7 +414,7 @@ def _lines_of_storey(made: Sequence[_Building], number: int, storey: int, first_
     ]
 
 
-def layout_of(scene: Scene) -> Layout:
+def build_layout(scene: Scene) -> Layout:
     """Lay out the buildings and links of a scene."""
     effects = effects_of(scene)
     links = scene.links
@@ -428,12 +428,12 @@ def layout_of(scene: Scene) -> Layout:
         )
         for link in links
     )
-    return _layout_of(scene.buildings, ties, effects.yielding, effects.collapse)
+    return _build_layout(scene.buildings, ties, effects.yielding, effects.collapse)
 
 
-def _link(behaviour: Behaviour) -> dict[str, Any]:
+def _build_link(behaviour: Behaviour) -> dict[str, Any]:
     """The element of a link."""
-    return _element(behaviour, eased=behaviour.force is not None and not behaviour.begins_by_series)
+    return _build_element(behaviour, eased=behaviour.force is not None and not behaviour.begins_by_series)
 
 
 def _find_ends(made: Sequence[_Building], tie: Tie, inv_mass: np.ndarray) -> tuple[Weights, tuple[float, float]]:
@@ -446,30 +446,30 @@ def _find_ends(made: Sequence[_Building], tie: Tie, inv_mass: np.ndarray) -> tup
         _scale_weights(made[number].end(floor, at, arm), tie.cosine)
         for (number, floor, at), arm in zip(tie.ends, tie.arms, strict=True)
     )
-    left_mass, right_mass = (_mass_moved_by(end, inv_mass) for end in (left, right))
+    left_mass, right_mass = (_find_moved_mass(end, inv_mass) for end in (left, right))
     return left | {dof: -weight for dof, weight in right.items()}, (left_mass, right_mass)
 
 
-def _mass_moved_by(end: Weights, inv_mass: np.ndarray) -> float:
+def _find_moved_mass(end: Weights, inv_mass: np.ndarray) -> float:
     """Return the mass that a force on the end of a link moves [kg], inf where that does not move."""
     moved = sum(weight * weight * float(inv_mass[dof]) for dof, weight in end.items())
     return 1.0 / moved if moved else math.inf
 
 
 @functools.lru_cache(maxsize=64)  # the same for every motion, gap and restitution
-def _layout_of(buildings: tuple[Building, ...], ties: tuple[Tie, ...], yields: bool, collapses: bool) -> Layout:
+def _build_layout(buildings: tuple[Building, ...], ties: tuple[Tie, ...], yields: bool, collapses: bool) -> Layout:
     made = list[_Building]()
     for building in buildings:
         made.append(_Building(building, sum(len(each.dofs) for each in made), yields, collapses))
-    dofs = _filled(DOF, [dof for each in made for dof in each.dofs])
+    dofs = _fill_records(DOF, [dof for each in made for dof in each.dofs])
     storeys = [each for b in made for each in b.storeys]
     drags = [each for b in made for each in b.drags]
     lines = [(line.element, line.weights) for b in made for line in b.lines]
     n = dofs.size
     tied = [_find_ends(made, tie, dofs["inv_mass"]) for tie in ties]
-    links = [(_link(tie.law.behaviour), weights) for tie, (weights, _) in zip(ties, tied, strict=True)]
+    links = [(_build_link(tie.law.behaviour), weights) for tie, (weights, _) in zip(ties, tied, strict=True)]
     beside = [*drags, *lines, *links]
-    elements = _filled(ELEMENT, [*storeys, *(element for element, _ in beside)])
+    elements = _fill_records(ELEMENT, [*storeys, *(element for element, _ in beside)])
     terms = list[tuple[float, int]]()
     for i, element in enumerate(elements[:n]):
         element["left"] = i
@@ -479,14 +479,14 @@ def _layout_of(buildings: tuple[Building, ...], ties: tuple[Tie, ...], yields: b
         terms += [(dofs[i]["lean"], dofs[i]["foot"])] if dofs[i]["lean"] else []
         element["last"] = len(terms)
     for element, (_, weights) in zip(elements[n:], beside, strict=True):
-        _tie(element, weights, terms)
+        _enter_ends(element, weights, terms)
     struck = tuple(_find_columns(number, tie) for number, tie in enumerate(ties) if tie.columns > 0.0)
     sums = tuple(number for number, building in enumerate(buildings) if building.plan is not None)
     first_line = n + len(drags)
-    shears = _column_shears(struck, made, first_line, terms)
+    shears = _build_column_shears(struck, made, first_line, terms)
     for number in sums:
-        shears += _storey_shears(number, made, first_line, terms)
-    columns = _filled(COLUMN, shears, 1)
+        shears += _build_storey_shears(number, made, first_line, terms)
+    columns = _fill_records(COLUMN, shears, 1)
     table = np.zeros(max(len(terms), 1), TERM)
     table["weight"][: len(terms)] = [w for w, _ in terms]
     table["dof"][: len(terms)] = [i for _, i in terms]
@@ -550,7 +550,7 @@ def _put_links(elements: np.ndarray, scenes: Sequence[Scene], masses: Sequence[t
     return formulas
 
 
-def term_matrix(layout: Layout) -> np.ndarray:
+def build_term_matrix(layout: Layout) -> np.ndarray:
     """Rows that give the deformation of every element from the displacements, shape (elements, degrees of freedom)."""
     matrix = np.zeros((layout.elements.size, layout.number))
     for row, element in zip(matrix, layout.elements, strict=True):
@@ -565,34 +565,34 @@ Segments = tuple[np.ndarray, np.ndarray]
 """Acceleration at the start of every segment of a motion [m/s2], and its slope [m/s3]."""
 
 
-def segments(scene: Scene) -> Segments:
+def build_segments(scene: Scene) -> Segments:
     """(acceleration at each segment's start [m/s2], its slope [m/s3]); a tail is still ground. Scenes of one motion
     share the arrays; nothing writes to them."""
-    return _segments(scene.motion, _tail_segments(scene))
+    return _split_motion(scene.motion, _count_tail_segments(scene))
 
 
-def _tail_segments(scene: Scene) -> int:
+def _count_tail_segments(scene: Scene) -> int:
     """Return the number of segments of a scene's tail; the last may be shorter than a time step of its motion."""
     return math.ceil(scene.tail / scene.motion.dt - WHOLE)
 
 
-def last_segment(scene: Scene) -> float:
+def find_last_segment(scene: Scene) -> float:
     """Return the length of a scene's last segment [s]: a tail ends where it is asked to."""
     dt = scene.motion.dt
-    count = _tail_segments(scene)
+    count = _count_tail_segments(scene)
     if count == 0 or abs(scene.tail - count * dt) <= WHOLE * dt:
         return dt
     return scene.tail - (count - 1) * dt
 
 
-def run_time(scene: Scene) -> float:
+def find_run_time(scene: Scene) -> float:
     """Return the time that a run of a scene covers, its motion and its tail [s]."""
     dt = scene.motion.dt
-    return (segments(scene)[0].size - 1) * dt + last_segment(scene)
+    return (build_segments(scene)[0].size - 1) * dt + find_last_segment(scene)
 
 
 @functools.lru_cache(maxsize=16)
-def _segments(motion: Motion, still: int) -> tuple[np.ndarray, np.ndarray]:
+def _split_motion(motion: Motion, still: int) -> tuple[np.ndarray, np.ndarray]:
     tail = np.zeros(still)
     slopes = np.diff(motion.acceleration) / motion.dt
     return np.concatenate((motion.acceleration[:-1], tail)), np.concatenate((slopes, tail))
@@ -604,7 +604,7 @@ def join_segments(each: Sequence[Segments]) -> tuple[np.ndarray, np.ndarray, np.
     return np.concatenate(grounds), np.concatenate(slopes), np.cumsum([ground.size for ground in grounds])
 
 
-def records_of(
+def build_records(
     scenes: Sequence[Scene],
     layout: Layout,
     accuracy: float,
@@ -632,13 +632,13 @@ def records_of(
     r["columns"] = layout.columns.size if layout.struck or layout.sums else 0
     r["dt"] = [scene.motion.dt for scene in scenes]
     r["tolerance"] = tolerance
-    r["least"] = [_least_acceleration(layout, *each) for each in zip(scenes, dofs, elements, strict=True)]
+    r["least"] = [_find_least_acceleration(layout, *each) for each in zip(scenes, dofs, elements, strict=True)]
     r["most_h"] = r["dt"] / least_steps
-    r["rest"] = [last_segment(scene) for scene in scenes]
+    r["rest"] = [find_last_segment(scene) for scene in scenes]
     smooth_tolerance = SMOOTHER * tolerance
     r["smooth_tolerance"] = max(smooth_tolerance, FINEST_SMOOTH)
     r["smaller"] = min(1.0, smooth_tolerance / FINEST_SMOOTH) ** (1.0 / ORDER_OF_DOP853)
-    r["max_order"] = max_order(tolerance)
+    r["max_order"] = find_max_order(tolerance)
     r["has_lean"] = max(layout.feet) >= 0
     r["most_steps"], r["most_events"] = bounds
     r["always_smooth"] = always_smooth
@@ -673,7 +673,7 @@ def _put_initial(
             dofs["w"][:, turns, 0] = v[storeys:]
 
 
-def _least_acceleration(layout: Layout, scene: Scene, dofs: np.ndarray, elements: np.ndarray) -> float:
+def _find_least_acceleration(layout: Layout, scene: Scene, dofs: np.ndarray, elements: np.ndarray) -> float:
     """Acceleration [m/s2] below which nothing is resolved: a part of the ground's peak, or on still ground that of the
     start: the largest spring force per mass, or what would turn its largest velocity within a second."""
     if scene.motion.pga > 0:
@@ -684,7 +684,7 @@ def _least_acceleration(layout: Layout, scene: Scene, dofs: np.ndarray, elements
     largest = max(float(pulls.max()), float(np.abs(dofs["w"][:, 0]).max()))
     if layout.lines:
         lines = layout.of_lines
-        rows = term_matrix(layout)[lines]
+        rows = build_term_matrix(layout)[lines]
         pulls = np.abs(elements["p"][lines, 0] * (rows @ dofs["u0"])) @ np.abs(rows) * dofs["inv_mass"]
         largest = max(largest, float((pulls / dofs["unit"]).max()))
     return largest

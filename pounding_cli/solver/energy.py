@@ -21,16 +21,16 @@ def add_energy(dofs, elements, run, series):
     for i in range(run.n):
         dof = dofs[i]
         for g in range(0, PLACES_INSIDE, 4):
-            dof.inside[g], dof.inside[g + 1], dof.inside[g + 2], dof.inside[g + 3] = _at_four(
+            dof.inside[g], dof.inside[g + 1], dof.inside[g + 2], dof.inside[g + 3] = _evaluate_at_four(
                 dof.w, run.order, run.end, g
             )
-    _work_on_storeys(dofs, elements, run)
+    _add_work_on_storeys(dofs, elements, run)
     for a in range(run.active):
         el = elements[series[a].element]
         if el.drifts:
-            _work_on_line(el, run, series[a])
+            _add_work_on_line(el, run, series[a])
         else:
-            _work_on_series(el, run, series[a])
+            _add_work_on_series(el, run, series[a])
     for e in range(run.n + run.drags, run.n + run.drags + run.lines):
         el = elements[e]
         if el.yields and not el.smooth:  # the force is straight in the drift
@@ -38,13 +38,13 @@ def add_energy(dofs, elements, run, series):
     for i in range(run.n):
         el = elements[i]
         if el.smooth:
-            _work_on_series(el, run, series[el.row])
+            _add_work_on_series(el, run, series[el.row])
         elif el.yields:  # the force is straight in the drift
             el.work += (0.5 * el.k * (el.v0 + el.v1) + el.f0) * (el.v1 - el.v0)
 
 
 @njit(**PART)
-def _at_four(p, n, end, g):
+def _evaluate_at_four(p, n, end, g):
     """The polynomial p of degree n at four places from number g on, side by side (Horner)."""
     s0 = PLACES[g] * end
     s1 = PLACES[g + 1] * end
@@ -60,7 +60,7 @@ def _at_four(p, n, end, g):
 
 
 @njit(**PART)
-def _work_on_storeys(dofs, elements, run):
+def _add_work_on_storeys(dofs, elements, run):
     """Energy that the ground puts in, and what dashpots of storeys and mass-proportional damping take [J]."""
     duration = run.h * run.end
     g1 = run.g1 * run.end
@@ -79,7 +79,7 @@ def _work_on_storeys(dofs, elements, run):
             square += WEIGHTS[g] * v * v
             rates += WEIGHTS[g] * rate * rate
         if has_lines and el.twists and el.mate > i:
-            dashpots += 2.0 * el.coupled_c * _common_rates(dofs, elements, i)
+            dashpots += 2.0 * el.coupled_c * _average_rate_product(dofs, elements, i)
         pushed += dof.mass * dof.loaded * push
         drag += dof.mass * dof.drag * square
         dashpots += el.c * rates
@@ -89,7 +89,7 @@ def _work_on_storeys(dofs, elements, run):
 
 
 @njit(**PART)
-def _common_rates(dofs, elements, i):
+def _average_rate_product(dofs, elements, i):
     """Return the mean over the step of the rate of drift times that of twist of the storey i, whose floors twist."""
     dof = dofs[i]
     el = elements[i]
@@ -106,25 +106,25 @@ def _common_rates(dofs, elements, i):
 
 
 @njit(**PART)
-def _work_on_series(el, run, row):
+def _add_work_on_series(el, run, row):
     """Work done in the step on an element whose force has a series [J]."""
     if not el.acts:
         return
     n = run.order - 1
     power = 0.0
     for g in range(0, PLACES_INSIDE, 4):
-        f0, f1, f2, f3 = _at_four(row.f, n, run.end, g)
-        v0, v1, v2, v3 = _at_four(row.rate, n, run.end, g)
+        f0, f1, f2, f3 = _evaluate_at_four(row.f, n, run.end, g)
+        v0, v1, v2, v3 = _evaluate_at_four(row.rate, n, run.end, g)
         power += WEIGHTS[g] * f0 * v0 + WEIGHTS[g + 1] * f1 * v1 + WEIGHTS[g + 2] * f2 * v2 + WEIGHTS[g + 3] * f3 * v3
     el.work += run.h * run.end * power
 
 
 @njit(**PART)
-def _work_on_line(el, run, row):
+def _add_work_on_line(el, run, row):
     """Work done in the step on a frame line whose force is smooth, and what its dashpot takes [J]."""
     squares = 0.0
     for g in range(0, PLACES_INSIDE, 4):
-        v0, v1, v2, v3 = _at_four(row.rate, run.order - 1, run.end, g)
+        v0, v1, v2, v3 = _evaluate_at_four(row.rate, run.order - 1, run.end, g)
         squares += WEIGHTS[g] * v0 * v0 + WEIGHTS[g + 1] * v1 * v1 + WEIGHTS[g + 2] * v2 * v2 + WEIGHTS[g + 3] * v3 * v3
     run.dashpots += el.c * squares * run.h * run.end
-    _work_on_series(el, run, row)
+    _add_work_on_series(el, run, row)

@@ -68,30 +68,30 @@ BESIDE_FIXED_STEPS = 1e-9
 """Accuracy of the Taylor run that a fixed-step method is judged by."""
 
 
-def finer(accuracy: float) -> float:
+def refine_accuracy(accuracy: float) -> float:
     """Accuracy of the run that one at `accuracy` is judged by [-]."""
     return max(accuracy * TIGHTER, FINEST)
 
 
 @functools.lru_cache(maxsize=16)
-def nudged_motion(motion: Motion, nudge: float = NUDGE) -> Motion:
+def nudge_motion(motion: Motion, nudge: float = NUDGE) -> Motion:
     """The motion, stronger by `nudge` [-] at its end and by less before."""
     growth = 1 + nudge * np.linspace(0.0, 1.0, motion.acceleration.size)
     return Motion(motion.name, motion.dt, motion.acceleration * growth, motion.source)
 
 
-def change(first: Response, second: Response) -> float:
+def find_change(first: Response, second: Response) -> float:
     """Largest relative change of the peak shear or drift of any storey or frame line between two responses of the same
     buildings [-], as `difference`."""
     a = first.peaks
     b = second.peaks
-    sizes = scene_sizes(first, second)
+    sizes = find_scene_sizes(first, second)
     names = ("shear", "drift", "line_shear", "line_drift") if count_lines(a) else ("shear", "drift")
-    found = [_compared(a[name], b[name], a[name], sizes[name]) for name in names]
-    return _largest(first, second, found)
+    found = [_build_triple(a[name], b[name], a[name], sizes[name]) for name in names]
+    return _find_largest_difference(first, second, found)
 
 
-def difference(first: Response, second: Response) -> float:
+def find_difference(first: Response, second: Response) -> float:
     """Largest relative difference of any number of two responses of the same scene [-]; nan when either run did not
     end, inf where only one collapses, or another storey does.
 
@@ -104,7 +104,7 @@ def difference(first: Response, second: Response) -> float:
     """
     a = first.peaks
     b = second.peaks
-    sizes = scene_sizes(first, second)
+    sizes = find_scene_sizes(first, second)
     reach = np.maximum(a["displacement_max"], -a["displacement_min"])
     scales = {"displacement_max": reach, "displacement_min": reach, "residual_drift": a["drift"]}
     for name in ("peak_force", "max_closing", "impulse"):
@@ -114,12 +114,12 @@ def difference(first: Response, second: Response) -> float:
     if count_lines(a):
         scales |= {name: a[name] for name in ("line_shear", "line_drift", *TURNS)}
         scales["line_residual_drift"] = a["line_drift"]
-    found = [_compared(a[name], b[name], scale, sizes[name]) for name, scale in scales.items()]
+    found = [_build_triple(a[name], b[name], scale, sizes[name]) for name, scale in scales.items()]
     presses = np.maximum(a["peak_force"], b["peak_force"]) > ROUNDING * sizes["peak_force"]
     time, other_time = (np.where(presses, each["contact_time"], 0.0) for each in (a, b))
     found.append((time, other_time, np.full_like(time, time.max(initial=0.0))))
     found.append((a["collapse_time"], b["collapse_time"], a["collapse_time"]))
-    return _largest(first, second, found)
+    return _find_largest_difference(first, second, found)
 
 
 LENGTHS = "drift", "displacement_max", "displacement_min", "residual_drift", "sway", "max_closing"
@@ -130,14 +130,16 @@ ARM = 1.0
 """Distance from the centres of mass at which a twist is told from nothing by what it moves [m]."""
 
 
-def scene_sizes(first: Response, second: Response) -> dict[str, float]:
+def find_scene_sizes(first: Response, second: Response) -> dict[str, float]:
     """Return the size of the scene of two responses for each of its numbers, in the number's unit: the largest length,
     force, acceleration and rotation in either, and the impulse of the largest force over the longest contact."""
     both = first.peaks, second.peaks
     has_lines = count_lines(first.peaks) > 0
     lengths = (*LENGTHS, *LENGTHS_OF_LINES) if has_lines else LENGTHS
     forces = (*FORCES, "line_shear") if has_lines else FORCES
-    largest = {name: _largest_of(both, name) for name in (*lengths, *forces, "acceleration", "rocking", "contact_time")}
+    largest = {
+        name: _find_largest(both, name) for name in (*lengths, *forces, "acceleration", "rocking", "contact_time")
+    }
     length = max(largest[name] for name in lengths)
     force = max(largest[name] for name in forces)
     sizes = dict.fromkeys(lengths, length) | dict.fromkeys(forces, force)
@@ -148,7 +150,7 @@ def scene_sizes(first: Response, second: Response) -> dict[str, float]:
     return sizes
 
 
-def _largest_of(both: Iterable[np.void], name: str) -> float:
+def _find_largest(both: Iterable[np.void], name: str) -> float:
     """Return the largest absolute value of a number in two responses; walls that move as the ground does have none."""
     return max(float(np.fmax.reduce(np.abs(peaks[name]).ravel(), initial=0.0)) for peaks in both)
 
@@ -157,7 +159,7 @@ Triple = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Values of two responses, and what their difference is relative to."""
 
 
-def _compared(first: np.ndarray, second: np.ndarray, scale: np.ndarray, size: float) -> Triple:
+def _build_triple(first: np.ndarray, second: np.ndarray, scale: np.ndarray, size: float) -> Triple:
     """Return values of two responses with their scale, zero where all three are below 1e-8 of the scene's size."""
     largest = np.maximum(np.maximum(np.abs(first), np.abs(second)), np.abs(scale))
     is_nothing = largest < NOTHING * size
@@ -165,7 +167,7 @@ def _compared(first: np.ndarray, second: np.ndarray, scale: np.ndarray, size: fl
     return one, other, relative_to
 
 
-def _largest(first: Response, second: Response, triples: Iterable[Triple]) -> float:
+def _find_largest_difference(first: Response, second: Response, triples: Iterable[Triple]) -> float:
     """Largest |x - y| over the largest of |x|, |y| and |scale|, of triples of these; 0 where all three are. Walls that
     move as the ground does have no numbers."""
     if not (first.has_result and second.has_result):
@@ -200,44 +202,46 @@ def assess(scenes: Sequence[Scene], responses: Sequence[Response], accuracy: flo
     method = responses[0].method if responses else "taylor"
     if accuracy >= FINEST_AT_ONCE and not METHODS[method].takes_step:
         nudge = min(LITTLE * accuracy, NUDGE)
-        judges = solver.solve_all([_nudged(scenes[each], nudge) for each in open_ones], finer(accuracy), method)
+        judges = solver.solve_all(
+            [_nudge_scene(scenes[each], nudge) for each in open_ones], refine_accuracy(accuracy), method
+        )
         for number, judge in zip(tuple(open_ones), judges, strict=True):
             first = responses[number]
-            error = difference(first, judge)
-            sensitivity = change(first, judge) / nudge
+            error = find_difference(first, judge)
+            sensitivity = find_change(first, judge) / nudge
             if error <= HARMLESS * accuracy and sensitivity <= HARMLESS * ILL_CONDITIONED:
                 known[number] = dataclasses.replace(first, error_estimate=error, sensitivity=sensitivity)
                 open_ones.remove(number)
     for number in open_ones:
-        known[number] = _looked_at_closely(scenes[number], responses[number], accuracy)
+        known[number] = _assess_closely(scenes[number], responses[number], accuracy)
     return known
 
 
-def _nudged(scene: Scene, nudge: float) -> Scene:
-    return dataclasses.replace(scene, motion=nudged_motion(scene.motion, nudge))
+def _nudge_scene(scene: Scene, nudge: float) -> Scene:
+    return dataclasses.replace(scene, motion=nudge_motion(scene.motion, nudge))
 
 
-def _looked_at_closely(scene: Scene, response: Response, accuracy: float) -> Response:
+def _assess_closely(scene: Scene, response: Response, accuracy: float) -> Response:
     """A response that is assessed by runs of its own."""
     fixed = METHODS[response.method].takes_step
-    method, tight = ("taylor", BESIDE_FIXED_STEPS) if fixed else (response.method, finer(accuracy))
-    second, nudged = solver.solve_all([scene, _nudged(scene, NUDGE)], tight, method)
-    sensitivity = change(second, nudged) / NUDGE
-    error = difference(response, second)
+    method, tight = ("taylor", BESIDE_FIXED_STEPS) if fixed else (response.method, refine_accuracy(accuracy))
+    second, nudged = solver.solve_all([scene, _nudge_scene(scene, NUDGE)], tight, method)
+    sensitivity = find_change(second, nudged) / NUDGE
+    error = find_difference(response, second)
     seconds = response.seconds
     while not fixed and error > accuracy and second.has_result:
         response = second
         seconds = seconds + second.seconds
         if tight <= FINEST:
             break
-        tight = finer(tight)
+        tight = refine_accuracy(tight)
         second = solver.solve(scene, tight, method)
-        error = difference(response, second) if second.has_result else error
+        error = find_difference(response, second) if second.has_result else error
     if error == 0.0 and not fixed:
-        error = difference(response, solver.solve(scene, tight, method, least_steps=OTHER_STEPS))
+        error = find_difference(response, solver.solve(scene, tight, method, least_steps=OTHER_STEPS))
     if not fixed and (error > accuracy or min(error, sensitivity * GRAZING) > DECIDES * accuracy):
         others = (solver.solve(scene, tight * times, method, least_steps=steps) for times, steps in SCATTER)
-        error = np.nanmax([error, *(difference(response, other) for other in others)])
+        error = np.nanmax([error, *(find_difference(response, other) for other in others)])
     flags = list(response.flags)
     if sensitivity > ILL_CONDITIONED:
         moved = f"changes a peak by {sensitivity * NUDGE:.1e}" if sensitivity < np.inf else "decides what collapses"

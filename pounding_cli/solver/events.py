@@ -24,7 +24,7 @@ from pounding_cli.laws.guards import (
 )
 from pounding_cli.solver.dispatch import next_branch
 from pounding_cli.solver.options import CALLED, FLOAT, INVERSE, PART
-from pounding_cli.solver.polynomial import NEVER, first_crossing, value
+from pounding_cli.solver.polynomial import NEVER, evaluate, find_first_crossing
 from pounding_cli.solver.records import COLLAPSED
 from pounding_cli.solver.series import LAST_DIGITS, LAST_OF_FIT, zero_if_rounding
 from pounding_cli.solver.stick import find_drive, hold_or_release
@@ -56,7 +56,7 @@ NEAR_ZERO = 1e-9
 
 
 @njit(**PART)
-def summarise(dofs, elements, terms, run):
+def evaluate_end(dofs, elements, terms, run):
     """Displacement, velocity and total acceleration of every degree of freedom at s = 1, with chord deviations."""
     h = run.h
     count = run.order + 1
@@ -79,7 +79,7 @@ def summarise(dofs, elements, terms, run):
         dof.du = 0.125 * h * (abs(dof.w[1]) + bend)
         dof.dv = 0.125 * bend
         dof.da = 0.125 * twist / h
-    ends_of_elements(dofs, elements, terms, run)
+    deform_elements(dofs, elements, terms, run)
     first_line = run.n + run.drags
     end_of_lines = run.n + run.drags + run.lines
     for e in range(run.m):
@@ -102,7 +102,7 @@ def summarise(dofs, elements, terms, run):
 
 
 @njit(**PART)
-def _end_of_line(elements, el):
+def _deform_line(elements, el):
     """Deformation and rate of a frame line at the step's end, from those of its storey, which come before it."""
     storey = elements[el.storey]
     mate = elements[el.mate]
@@ -114,19 +114,19 @@ def _end_of_line(elements, el):
 
 
 @njit(**PART)
-def _largest_of_ends(dofs, terms, el):
+def _find_reach(dofs, terms, el):
     """Return the largest displacement [m] and speed [m/s] that the degrees of freedom of an element have had: of the
     larger of its two ends, and of its further terms."""
     left = dofs[el.left]
     right = dofs[el.right]
-    reach, fastest = _largest_of_terms(dofs, terms, el)
+    reach, fastest = _find_reach_of_terms(dofs, terms, el)
     reach += max(max(left.u_max, -left.u_min), max(right.u_max, -right.u_min))
     fastest += max(left.fastest, right.fastest)
     return reach, fastest
 
 
 @njit(**PART)
-def _largest_of_terms(dofs, terms, el):
+def _find_reach_of_terms(dofs, terms, el):
     """Return the largest displacement [m] and speed [m/s] of the further terms of an element."""
     reach = fastest = 0.0
     for x in range(el.first, el.last):
@@ -138,7 +138,7 @@ def _largest_of_terms(dofs, terms, el):
 
 
 @njit(**PART)
-def ends_of_elements(dofs, elements, terms, run):
+def deform_elements(dofs, elements, terms, run):
     """Deformation and rate of every element at the step's end, exactly zero where floors differ by rounding."""
     first_line = run.n + run.drags
     end_of_lines = run.n + run.drags + run.lines
@@ -146,7 +146,7 @@ def ends_of_elements(dofs, elements, terms, run):
     for e in range(run.m):
         el = elements[e]
         if first_line <= e < end_of_lines:
-            _end_of_line(elements, el)
+            _deform_line(elements, el)
             continue
         left = dofs[el.left]
         right = dofs[el.right]
@@ -164,7 +164,7 @@ def ends_of_elements(dofs, elements, terms, run):
         if el.drifts == 0 and (
             abs(v) < NEAR_ZERO or abs(rate) < NEAR_ZERO
         ):  # what floors have come to stays in their sums
-            reach, fastest = _largest_of_terms(dofs, terms, el)
+            reach, fastest = _find_reach_of_terms(dofs, terms, el)
             of_v = max(of_v, max(left.u_max, -left.u_min) + reach)
             of_rate = max(of_rate, left.fastest + fastest)
         el.v1 = zero_if_rounding(v, of_v, LAST_DIGITS)
@@ -175,7 +175,7 @@ def ends_of_elements(dofs, elements, terms, run):
 
 
 @njit(**CALLED)
-def end_at(dofs, elements, terms, run):
+def end_at_event(dofs, elements, terms, run):
     """Replace the values at s = 1 by those at run.end, where an event was found."""
     h = run.h
     s = run.end
@@ -197,11 +197,11 @@ def end_at(dofs, elements, terms, run):
         dof.a1 = dof.a0
         if s > 0.0:
             dof.a1 = a / (h * s) + dof.felt * run.g0 + dof.felt * run.g1 * s
-    ends_of_elements(dofs, elements, terms, run)
+    deform_elements(dofs, elements, terms, run)
 
 
 @njit(**CALLED)
-def rate_series(dofs, elements, terms, run, e):
+def build_rate(dofs, elements, terms, run, e):
     """Coefficients of the rate of element e, into r.p."""
     el = elements[e]
     count = run.order + 1
@@ -224,7 +224,7 @@ def rate_series(dofs, elements, terms, run, e):
 
 
 @njit(**PART)
-def integral(run, side, first):
+def integrate_rate(run, side, first):
     """`side` times the integral of r.p over the time of the step, with the value `first` at the start; its degree."""
     p = run.p
     n = run.order + 1
@@ -235,17 +235,17 @@ def integral(run, side, first):
 
 
 @njit(**PART)
-def _until_guard(el, run, row, guard):
+def _build_guard(el, run, row, guard):
     """From the rate of an element in r.p what is positive until it meets the guard; returns its degree."""
     p = run.p
     n = run.order
     if guard == LOW:
-        return integral(run, 1.0, el.v0 - el.low)
+        return integrate_rate(run, 1.0, el.v0 - el.low)
     if guard == HIGH:
-        return integral(run, -1.0, el.high - el.v0)
+        return integrate_rate(run, -1.0, el.high - el.v0)
     if guard >= COLLAPSE_LOW:
         side = 1.0 if guard == COLLAPSE_LOW else -1.0
-        return integral(run, side, el.collapse + side * el.v0)
+        return integrate_rate(run, side, el.collapse + side * el.v0)
     if guard == SLOWER or guard == FASTER:
         side, at = (1.0, el.slow) if guard == SLOWER else (-1.0, el.fast)
         for k in range(n + 1):
@@ -258,7 +258,7 @@ def _until_guard(el, run, row, guard):
         return n - 1
     if guard == CROSSES:  # the series of a smooth storey's force holds that of its line too
         side = 1.0 * el.crosses
-        degree = integral(run, -side * el.k, -side * el.k * el.v0)
+        degree = integrate_rate(run, -side * el.k, -side * el.k * el.v0)
         for k in range(n):
             p[k] += side * row.f[k]
         if el.pinned == ITS_FORCE:
@@ -279,18 +279,18 @@ def _until_guard(el, run, row, guard):
 
 
 @njit(**CALLED)
-def _meets(el, run, row, guard, end):
+def _find_meeting(el, run, row, guard, end):
     """Where in [0, end] an element, whose rate stands in r.p, first meets a guard."""
-    n = _until_guard(el, run, row, guard)
-    at = first_crossing(run, n, end)
+    n = _build_guard(el, run, row, guard)
+    at = find_first_crossing(run, n, end)
     often = el.stuck >= MOST_AT_INSTANT
-    if often and at < INSTANT and (el.stuck > 3 * MOST_AT_INSTANT or value(run.p, n, 1.0) > 0.0):
+    if often and at < INSTANT and (el.stuck > 3 * MOST_AT_INSTANT or evaluate(run.p, n, 1.0) > 0.0):
         return NEVER
     return at
 
 
 @njit(**PART)
-def _stays(el):
+def _cannot_leave(el):
     """Whether bounds show that an element stays on its branch during the step."""
     is_inside = min(el.v0, el.v1) - el.dv > el.low and max(el.v0, el.v1) + el.dv < el.high
     keeps_way = min(el.r0, el.r1) - el.dr > el.slow and max(el.r0, el.r1) + el.dr < el.fast
@@ -299,7 +299,7 @@ def _stays(el):
 
 
 @njit(**PART)
-def _may_meet(el, guard, is_link):
+def _can_meet(el, guard, is_link):
     """Whether an element has this guard, and bounds do not show that it stays away from it."""
     if guard == LOW or guard == HIGH:
         at, side = (el.low, 1.0) if guard == LOW else (el.high, -1.0)
@@ -323,10 +323,10 @@ def _may_meet(el, guard, is_link):
 
 
 @njit(**PART)
-def _moves_by_rounding(dofs, terms, el, run):
+def _is_moved_by_rounding(dofs, terms, el, run):
     """Whether a link, whose rate stands in r.p, moves in this step by no more than the last digits of its floors: such
     floors would strike each other without end."""
-    reach, fastest = _largest_of_ends(dofs, terms, el)
+    reach, fastest = _find_reach(dofs, terms, el)
     least_v = LAST_DIGITS * reach
     least_rate = LAST_DIGITS * fastest
     if abs(el.v0) > least_v or abs(el.r0) > least_rate:
@@ -340,10 +340,10 @@ def _moves_by_rounding(dofs, terms, el, run):
 
 
 @njit(**PART)
-def _rests_by_rounding(dofs, terms, el, run):
+def _is_at_rest_but_for_rounding(dofs, terms, el, run):
     """Whether the drift of a storey, whose rate stands in r.p, changes in this step by no more than the last digits of
     its floors: a building that has come to rest would turn back without end."""
-    reach, fastest = _largest_of_ends(dofs, terms, el)
+    reach, fastest = _find_reach(dofs, terms, el)
     size = 0.0
     for k in range(run.order + 1):
         size += abs(run.p[k])
@@ -351,24 +351,24 @@ def _rests_by_rounding(dofs, terms, el, run):
 
 
 @njit(**CALLED)
-def first_event(dofs, elements, terms, run, series):
+def find_first_event(dofs, elements, terms, run, series):
     """Whether an element leaves its branch in [0, 1]; where the first does goes to r.end."""
     found = False
     for e in range(run.m):
         el = elements[e]
         el.at = NEVER
-        if _stays(el):
+        if _cannot_leave(el):
             continue
         if el.holds:
             find_drive(dofs, elements, terms, run, series, e)
         for guard in range(COLLAPSE_HIGH + 1):
-            if _may_meet(el, guard, el.drifts == 0):
-                rate_series(dofs, elements, terms, run, e)
-                if el.drifts == 0 and _moves_by_rounding(dofs, terms, el, run):
+            if _can_meet(el, guard, el.drifts == 0):
+                build_rate(dofs, elements, terms, run, e)
+                if el.drifts == 0 and _is_moved_by_rounding(dofs, terms, el, run):
                     break
-                if el.drifts and not el.slides and _rests_by_rounding(dofs, terms, el, run):
+                if el.drifts and not el.slides and _is_at_rest_but_for_rounding(dofs, terms, el, run):
                     break
-                at = _meets(el, run, series[el.row], guard, min(1.0, el.at))
+                at = _find_meeting(el, run, series[el.row], guard, min(1.0, el.at))
                 if el.eased and run.still:
                     at = max(at, FROM_REST)
                 if at < el.at:
@@ -381,7 +381,7 @@ def first_event(dofs, elements, terms, run, series):
 
 
 @njit(**CALLED)
-def commit(dofs, elements, terms, run, series):
+def change_branches(dofs, elements, terms, run, series):
     """Change all elements that leave their branch at the end of this step, so that equal buildings stay equal."""
     for e in range(run.m):
         el = elements[e]
@@ -494,7 +494,7 @@ def unpin(elements, run):
 
 
 @njit(**CALLED)
-def enter_all(elements, run, series):
+def enter_first_branches(elements, run, series):
     """The branches of all elements at rest."""
     for e in range(run.m):
         elements[e].guard = START

@@ -15,12 +15,12 @@ from numba import njit
 
 from pounding_cli.laws.guards import FASTER, HIGH, LOW, SIGN_CHANGE, SLOWER
 from pounding_cli.model.links import Link
-from pounding_cli.solver.assemble import Layout, term_matrix
-from pounding_cli.solver.dispatch import force, line_force, next_branch, smooth_force
-from pounding_cli.solver.events import ends_of_elements
+from pounding_cli.solver.assemble import Layout, build_term_matrix
+from pounding_cli.solver.dispatch import compute_force, compute_line_force, compute_smooth_force, next_branch
+from pounding_cli.solver.events import deform_elements
 from pounding_cli.solver.options import CALLED, KERNEL, PART
 from pounding_cli.solver.records import COLLAPSED, DONE, NO_ROOT, NOT_FINITE
-from pounding_cli.solver.run import begin
+from pounding_cli.solver.run import begin_run
 from pounding_cli.solver.series import push, push_by_storey
 
 BRANCHES = 8
@@ -57,7 +57,7 @@ def _settle(el, formula):
         elif el.r1 > el.fast:
             guard = FASTER
         elif el.cuts:
-            f = force(el, el.v1, el.r1, formula)
+            f = compute_force(el, el.v1, el.r1, formula)
             if (f < 0.0 and el.acts) or (f > 0.0 and not el.acts):
                 guard = SIGN_CHANGE
         if guard < 0:
@@ -69,10 +69,10 @@ def _settle(el, formula):
 
 
 @njit(**CALLED)
-def forces(dofs, elements, terms, run, room, ground):
+def add_forces(dofs, elements, terms, run, room, ground):
     """Deform all elements by the displacements u1 and velocities v1 of a step's end, put them on the branches that they
     have reached, and add their forces to `push` of the degrees of freedom: a = -push / mass."""
-    ends_of_elements(dofs, elements, terms, run)
+    deform_elements(dofs, elements, terms, run)
     for i in range(run.n):
         dof = dofs[i]
         dof.push = dof.mass * (dof.loaded * ground + dof.drag * dof.v1)
@@ -81,13 +81,13 @@ def forces(dofs, elements, terms, run, room, ground):
         formula = room.formulas[el.formula]
         _settle(el, formula)
         if e < run.n:
-            push_by_storey(dofs, el, e, line_force(el, el.v1, el.r1), run.has_lean)
+            push_by_storey(dofs, el, e, compute_line_force(el, el.v1, el.r1), run.has_lean)
         elif el.closed and el.acts:
-            push(dofs, terms, el, force(el, el.v1, el.r1, formula))
+            push(dofs, terms, el, compute_force(el, el.v1, el.r1, formula))
 
 
 @njit(**CALLED)
-def _end(dofs, elements, terms, run, columns, room, h):
+def _end_step(dofs, elements, terms, run, columns, room, h):
     """Count what has come of a step: largest values, and forces of links and struck columns."""
     run.steps += 1
     for i in range(run.n):
@@ -108,7 +108,7 @@ def _end(dofs, elements, terms, run, columns, room, h):
             if abs(el.v1) > el.collapse:
                 run.status = COLLAPSED
         elif el.closed and el.acts:
-            f = force(el, el.v1, el.r1, room.formulas[el.formula])
+            f = compute_force(el, el.v1, el.r1, room.formulas[el.formula])
             el.peak_f = max(el.peak_f, abs(f))
             el.impulse += f * h
             el.time += h
@@ -126,12 +126,12 @@ def _end(dofs, elements, terms, run, columns, room, h):
             link = elements[terms[x].dof]
             if link.closed and link.acts:
                 dashpot = link.c * link.r1 if link.drifts else 0.0  # shears of lines are without damping forces
-                f += terms[x].weight * (force(link, link.v1, link.r1, room.formulas[link.formula]) - dashpot)
+                f += terms[x].weight * (compute_force(link, link.v1, link.r1, room.formulas[link.formula]) - dashpot)
         column.peak = max(column.peak, abs(f))
 
 
 @njit(**PART)
-def _central_difference(dofs, elements, terms, run, room, half, h, ground, first):
+def _step_by_central_difference(dofs, elements, terms, run, room, half, h, ground, first):
     """u' half a step later from u'' now, u a step later; damping forces by the velocity extrapolated from two half
     steps, so that nothing is solved for."""
     for i in range(run.n):
@@ -141,7 +141,7 @@ def _central_difference(dofs, elements, terms, run, room, half, h, ground, first
         half[i] = before + (0.5 * h if first else h) * acceleration
         dof.u1 = dof.u0 + h * half[i]
         dof.v1 = 1.5 * half[i] - 0.5 * before
-    forces(dofs, elements, terms, run, room, ground)
+    add_forces(dofs, elements, terms, run, room, ground)
     for i in range(run.n):
         dof = dofs[i]
         dof.a1 = -dof.push * dof.inv_mass + dof.loaded * ground
@@ -149,7 +149,7 @@ def _central_difference(dofs, elements, terms, run, room, half, h, ground, first
 
 
 @njit(**PART)
-def _slopes(el, formula):
+def _find_slopes(el, formula):
     """dF/dv [N/m] and dF/dv' [N s/m] of an element at the end of the step."""
     k = el.k - el.load
     c = el.c
@@ -158,21 +158,21 @@ def _slopes(el, formula):
         k += 3.0 * el.cubic * el.v1 * el.v1 + el.root * 3.0 * el.cubic * el.v1 * el.r1 / root
         c += el.root * root
     if el.smooth:
-        f = smooth_force(el, el.v1, el.r1, formula)
+        f = compute_smooth_force(el, el.v1, el.r1, formula)
         dv = NEAR * max(abs(el.v1), NEAR)
         dr = NEAR * max(abs(el.r1), NEAR)
-        k += (smooth_force(el, el.v1 + dv, el.r1, formula) - f) / dv
-        c += (smooth_force(el, el.v1, el.r1 + dr, formula) - f) / dr
+        k += (compute_smooth_force(el, el.v1 + dv, el.r1, formula) - f) / dv
+        c += (compute_smooth_force(el, el.v1, el.r1 + dr, formula) - f) / dr
     return k, c
 
 
 @njit(**CALLED)
-def _matrix(dofs, elements, run, room, h, shape):
+def _build_matrix(dofs, elements, run, room, h, shape):
     """M + h/2 C + h^2/4 K at the end of the step; `shape`: the deformation of every element from the displacements."""
     size = np.zeros(run.m)
     for e in range(run.m):
         el = elements[e]
-        k, c = _slopes(el, room.formulas[el.formula])
+        k, c = _find_slopes(el, room.formulas[el.formula])
         size[e] = el.acts * (0.25 * h * h * k + 0.5 * h * c)
     rows = np.dot(shape.T * size, shape)
     for i in range(run.n):
@@ -182,7 +182,7 @@ def _matrix(dofs, elements, run, room, h, shape):
 
 
 @njit(**PART)
-def _newmark(dofs, elements, terms, run, room, memory, shape, h, ground):
+def _step_by_newmark(dofs, elements, terms, run, room, memory, shape, h, ground):
     """The average acceleration, by Newton's method; whether it found a root."""
     n = run.n
     missing = np.zeros(run.n)
@@ -196,7 +196,7 @@ def _newmark(dofs, elements, terms, run, room, memory, shape, h, ground):
             dof.u1 = dof.u0 + h * dof.w[0] + 0.25 * h * h * both
             dof.v1 = dof.w[0] + 0.5 * h * both
         memory[:] = kept
-        forces(dofs, elements, terms, run, room, ground)
+        add_forces(dofs, elements, terms, run, room, ground)
         left = most = 0.0
         for i in range(n):
             dof = dofs[i]
@@ -208,7 +208,7 @@ def _newmark(dofs, elements, terms, run, room, memory, shape, h, ground):
             return True
         if not most < 1e300:
             break
-        more = np.linalg.solve(_matrix(dofs, elements, run, room, h, shape), missing)
+        more = np.linalg.solve(_build_matrix(dofs, elements, run, room, h, shape), missing)
         for i in range(n):
             dofs[i].a1 += more[i]
     memory[:] = kept
@@ -228,10 +228,10 @@ def march(dofs, elements, terms, runs, series, columns, room, ground, slopes, me
     """
     run = runs[0]
     if not run.resumes:
-        begin(dofs, elements, terms, run, series)
+        begin_run(dofs, elements, terms, run, series)
     half = np.zeros(run.n)
     run.g0 = ground[0]
-    forces(dofs, elements, terms, run, room, run.g0)
+    add_forces(dofs, elements, terms, run, room, run.g0)
     for i in range(run.n):
         dofs[i].a0 = -dofs[i].push * dofs[i].inv_mass + dofs[i].loaded * run.g0
     whole = run.dt / parts
@@ -247,9 +247,9 @@ def march(dofs, elements, terms, runs, series, columns, room, ground, slopes, me
             run.g0 = ground[segment] + slopes[segment] * elapsed
             g1 = ground[segment] + slopes[segment] * (elapsed + h)
             if method == 0:
-                found = _central_difference(dofs, elements, terms, run, room, half, h, g1, first)
+                found = _step_by_central_difference(dofs, elements, terms, run, room, half, h, g1, first)
             else:
-                found = _newmark(dofs, elements, terms, run, room, memory, shape, h, g1)
+                found = _step_by_newmark(dofs, elements, terms, run, room, memory, shape, h, g1)
             if not found:
                 run.trials += 1
                 h *= 0.5
@@ -257,7 +257,7 @@ def march(dofs, elements, terms, runs, series, columns, room, ground, slopes, me
                     run.status = NO_ROOT
                 continue
             first = False
-            _end(dofs, elements, terms, run, columns, room, h)
+            _end_step(dofs, elements, terms, run, columns, room, h)
             elapsed += h
             run.time = segment * run.dt + elapsed
             h = whole
@@ -266,14 +266,14 @@ def march(dofs, elements, terms, runs, series, columns, room, ground, slopes, me
     return run.status
 
 
-def central_difference_limit(layout: Layout, elements: np.ndarray, links: Sequence[Link]) -> float:
+def find_longest_stable_step(layout: Layout, elements: np.ndarray, links: Sequence[Link]) -> float:
     """Largest stable time step [s] of central difference with extrapolated damping forces, with every link closed where
     its law is stiffest; modal coupling by damping is left out.
 
     2 (sqrt(1 + 4 xi^2) - 2 xi) / omega in every mode; 2 / omega without damping. With u_n and the half-step velocity
     alternating in sign (amplification -1) the scheme gives (h omega)^2 + 8 xi h omega = 4.
     """
-    rows = term_matrix(layout)
+    rows = build_term_matrix(layout)
     mass = layout.dofs["mass"]
     n = layout.number
     k = np.zeros(len(rows))

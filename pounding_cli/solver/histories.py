@@ -11,8 +11,8 @@ from pounding_cli.model.links import link_label, link_places
 from pounding_cli.model.parts import divide_scene
 from pounding_cli.model.scene import Scene
 from pounding_cli.solver import records
-from pounding_cli.solver.assemble import Layout, run_time, segments
-from pounding_cli.solver.outcome import ENDS, closings_of, stored_in_lines, stored_in_storeys
+from pounding_cli.solver.assemble import Layout, build_segments, find_run_time
+from pounding_cli.solver.outcome import ENDS, compute_energy_of_lines, compute_energy_of_storeys, to_closings
 from pounding_cli.solver.parts import join_histories
 from pounding_cli.solver.response import OUTCOMES
 from pounding_cli.solver.solve import SceneRun, prepare_run
@@ -49,9 +49,9 @@ TWIST_FIELDS: dict[str, tuple[tuple[str, ...], str, str]] = {
 """Those of floors that twist; a scene where none does has none of them."""
 
 
-def output_times(scene: Scene, every: float) -> np.ndarray:
+def list_output_times(scene: Scene, every: float) -> np.ndarray:
     """The times of a history [s]: from 0 in steps of `every` [s], the last not after the end of motion and tail."""
-    return every * np.arange(int(np.floor(run_time(scene) / every + 1e-9)) + 1)
+    return every * np.arange(int(np.floor(find_run_time(scene) / every + 1e-9)) + 1)
 
 
 History = dict[str, tuple[tuple[str, ...], np.ndarray, dict[str, Any]]]
@@ -78,17 +78,17 @@ def solve_history(scene: Scene, accuracy: float = 1e-6, every: float = EVERY) ->
     parts = divide_scene(scene)
     if parts:
         return join_histories(scene, parts, [solve_history(each.scene, accuracy, every) for each in parts])
-    run = prepare_run([scene], accuracy, times=output_times(scene, every))
+    run = prepare_run([scene], accuracy, times=list_output_times(scene, every))
     run.integrate()
     outcome, advice = ENDS[int(run.data.run["status"][0])]
     if outcome not in OUTCOMES:
         raise InputError(Problem(f"no history of this scene: {outcome}", advice))
-    return _evaluated(run)
+    return _build_history(run)
 
 
-def _ground(scene: Scene, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _evaluate_ground(scene: Scene, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Acceleration [m/s2] and displacement from rest [m] of the ground, exact between samples."""
-    starts, slopes = segments(scene)
+    starts, slopes = build_segments(scene)
     dt = scene.motion.dt
     velocity = np.concatenate(([0.0], np.cumsum((starts + 0.5 * slopes * dt) * dt)))
     moved = np.concatenate(([0.0], np.cumsum((velocity[:-1] + (starts / 2 + slopes * dt / 6) * dt) * dt)))
@@ -98,7 +98,7 @@ def _ground(scene: Scene, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return acceleration, moved[at] + (velocity[at] + (starts[at] / 2 + slopes[at] * since / 6) * since) * since
 
 
-def _evaluated(run: SceneRun) -> History:
+def _build_history(run: SceneRun) -> History:
     """What is wanted, from what a run kept."""
     scene = run.scenes[0]
     layout = run.layout
@@ -110,14 +110,14 @@ def _evaluated(run: SceneRun) -> History:
     dofs = watch.dofs[kept]
     elements = watch.elements[kept]
     energy = watch.energy[kept]
-    ground, moved = _ground(scene, times)
+    ground, moved = _evaluate_ground(scene, times)
     u = dofs[..., 0]
     n = layout.number
     deformation = elements[:, :n, 0]
     force = elements[:, :n, 1]
-    stored, yielding = stored_in_storeys(layout, deformation, force, u)
+    stored, yielding = compute_energy_of_storeys(layout, deformation, force, u)
     lines = elements[:, layout.of_lines]
-    in_lines, in_yielding_lines = stored_in_lines(layout, lines[..., 0], lines[..., 1])
+    in_lines, in_yielding_lines = compute_energy_of_lines(layout, lines[..., 0], lines[..., 1])
     on_storeys = watch.storeys[kept].sum(axis=1)
     kinetic = 0.5 * (dofs[..., 1] ** 2 @ layout.dofs["mass"])
     of_links = elements[:, layout.of_links]
@@ -143,7 +143,7 @@ def _evaluated(run: SceneRun) -> History:
         "rocking": of_foundation(layout.feet),
         "base_force": of_foundation(layout.bases, force),
         "link_force": of_links[..., 1],
-        "closing": closings_of(layout, of_links[..., 0], run.data.elements["offset"][0, layout.of_links]),
+        "closing": to_closings(layout, of_links[..., 0], run.data.elements["offset"][0, layout.of_links]),
         "energy_input": put_in,
         "energy_kinetic": kinetic,
         "energy_stored": stored + in_lines,
@@ -156,9 +156,9 @@ def _evaluated(run: SceneRun) -> History:
     fields = FIELDS
     if layout.sums:
         fields = FIELDS | TWIST_FIELDS
-        values["twist"] = _put_turns(layout, u)
-        values["line_drift"] = _put_lines(layout, lines[..., 0])
-        values["line_shear"] = _put_lines(layout, lines[..., 1])
+        values["twist"] = _arrange_turns(layout, u)
+        values["line_drift"] = _arrange_lines(layout, lines[..., 0])
+        values["line_shear"] = _arrange_lines(layout, lines[..., 1])
     found: History = {
         name: (dims, values[name], {"units": unit, "long_name": text}) for name, (dims, unit, text) in fields.items()
     }
@@ -171,7 +171,7 @@ def _evaluated(run: SceneRun) -> History:
     return found
 
 
-def _put_turns(layout: Layout, u: np.ndarray) -> np.ndarray:
+def _arrange_turns(layout: Layout, u: np.ndarray) -> np.ndarray:
     """Return the rotations of floors [rad] from all displacements, shape (times, buildings, floors); NaN of floors that
     do not twist."""
     turns = np.full((len(u), len(layout.buildings), max(each.storeys for each in layout.buildings)), np.nan)
@@ -180,7 +180,7 @@ def _put_turns(layout: Layout, u: np.ndarray) -> np.ndarray:
     return turns
 
 
-def _put_lines(layout: Layout, values: np.ndarray) -> np.ndarray:
+def _arrange_lines(layout: Layout, values: np.ndarray) -> np.ndarray:
     """Return values of frame lines over time, shape (times, buildings, storeys, lines); NaN where there are none.
 
     values : in the order of `layout.lines`, shape (times, lines)

@@ -30,7 +30,7 @@ KERNEL = {**COMMON, "cache": True, "nogil": True}
 
 
 @njit(**PART, locals={"address": types.voidptr})
-def bare(records):
+def borrow_records(records):
     """The same records, whose references are not counted: counting them at every call takes a tenth of a run by series
     and a third of one by DOP853. Whoever calls the kernel holds them."""
     held = records.ctypes  # its reference ends with this name; cast at once, it would never end

@@ -42,7 +42,7 @@ OPEN_BALANCE: Outcome = (
 )
 
 
-def ends_of(data: Data, accuracy: float, residuals: np.ndarray) -> list[Outcome]:
+def find_outcomes(data: Data, accuracy: float, residuals: np.ndarray) -> list[Outcome]:
     """How runs ended: none with numbers that are not finite, or an energy balance that does not close, is done."""
     sums = [data.dofs[name].sum(axis=1) for name in ("u_max", "u_min", "a_max", "u0")]
     sums += [data.elements[name].sum(axis=1) for name in ("peak_v", "peak_f", "impulse", "time")]
@@ -59,7 +59,7 @@ def ends_of(data: Data, accuracy: float, residuals: np.ndarray) -> list[Outcome]
     return ends
 
 
-def peaks_of(layout: Layout, data: Data, scenes: Sequence[Scene], drift_at_rest: np.ndarray) -> np.ndarray:
+def build_peaks(layout: Layout, data: Data, scenes: Sequence[Scene], drift_at_rest: np.ndarray) -> np.ndarray:
     """The peaks of scenes, records of `peaks_type`, shape (scenes,); `drift_at_rest` as of `rest.Rest`."""
     storeys = [building.storeys for building in layout.buildings]
     lines = layout.most_lines
@@ -72,7 +72,7 @@ def peaks_of(layout: Layout, data: Data, scenes: Sequence[Scene], drift_at_rest:
     peaks["impacts"] = links["hits"]
     peaks["peak_force"] = links["peak_f"]
     peaks["impulse"] = links["impulse"]
-    peaks["max_closing"] = closings_of(layout, links["peak_v"], links["offset"])
+    peaks["max_closing"] = to_closings(layout, links["peak_v"], links["offset"])
     closes = [[link.law.can_act for link in scene.links] for scene in scenes]
     peaks["contact_time"] = np.where(closes, links["time"], 0.0)
     for k, struck in enumerate(layout.struck):
@@ -86,7 +86,7 @@ def peaks_of(layout: Layout, data: Data, scenes: Sequence[Scene], drift_at_rest:
     return peaks
 
 
-def closings_of(layout: Layout, deformation: np.ndarray, offset: np.ndarray) -> np.ndarray:
+def to_closings(layout: Layout, deformation: np.ndarray, offset: np.ndarray) -> np.ndarray:
     """The closings u_left - u_right of the ends of links [m] from the deformations and offsets of their elements [m],
     shape (..., links)."""
     return (deformation + offset) / layout.cosines
@@ -148,7 +148,9 @@ def _put_lines(peaks: np.ndarray, layout: Layout, data: Data, drift_at_rest: np.
         first += storeys
 
 
-def stored_in_lines(layout: Layout, deformation: np.ndarray, force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def compute_energy_of_lines(
+    layout: Layout, deformation: np.ndarray, force: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """(energy in frame lines [J], of them in those that yield) at drifts [m] and forces without dashpots [N], shape
     (..., lines) each."""
     elements = layout.elements[layout.of_lines]
@@ -163,7 +165,7 @@ def stored_in_lines(layout: Layout, deformation: np.ndarray, force: np.ndarray) 
     return stored.sum(axis=-1), stored[..., yields].sum(axis=-1)
 
 
-def stored_in_storeys(
+def compute_energy_of_storeys(
     layout: Layout, deformation: np.ndarray, force: np.ndarray, u: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """(energy in storeys and foundations [J], of them in storeys that yield) at deformations [m], forces without
@@ -186,7 +188,7 @@ def stored_in_storeys(
     return total, stored[..., yields].sum(axis=-1)
 
 
-def balance(layout: Layout, data: Data, scenes: Sequence[Scene], before: float = 0.0) -> dict[str, np.ndarray]:
+def balance_energies(layout: Layout, data: Data, scenes: Sequence[Scene], before: float = 0.0) -> dict[str, np.ndarray]:
     """The energy balances of scenes [J]; `residual` is what is missing over the largest entry [-], or over what storeys
     held at their peaks if that is more: a run may have given back what it took in.
 
@@ -200,10 +202,10 @@ def balance(layout: Layout, data: Data, scenes: Sequence[Scene], before: float =
     n = layout.number
     storeys = elements[:, :n]
     of_links = elements[:, layout.of_links]
-    stored, yielding = stored_in_storeys(layout, storeys["v1"], forces_now(storeys), dofs["u0"])
+    stored, yielding = compute_energy_of_storeys(layout, storeys["v1"], compute_forces(storeys), dofs["u0"])
     lines = elements[:, layout.of_lines]
-    in_lines, in_yielding_lines = stored_in_lines(layout, lines["v1"], forces_now(lines))
-    in_links = _stored_in_links(scenes, of_links)
+    in_lines, in_yielding_lines = compute_energy_of_lines(layout, lines["v1"], compute_forces(lines))
+    in_links = _compute_energy_of_links(scenes, of_links)
     drags = elements["work"][:, n : layout.of_lines.start]
     entries = {
         "input": r["input"] + before,
@@ -215,20 +217,20 @@ def balance(layout: Layout, data: Data, scenes: Sequence[Scene], before: float =
         "links": of_links["work"].sum(axis=1) - in_links,
     }
     values = np.array(list(entries.values()))
-    held = _held_at_peaks(storeys) + _held_at_peaks(lines)
+    held = _compute_energy_at_peaks(storeys) + _compute_energy_at_peaks(lines)
     scale = np.maximum(held, np.abs(values).max(axis=0))
     missing = values[0] - values[1:].sum(axis=0)
     return entries | {"residual": np.where(scale > 0, missing / scale, 0.0)}
 
 
-def _held_at_peaks(storeys: np.ndarray) -> np.ndarray:
+def _compute_energy_at_peaks(storeys: np.ndarray) -> np.ndarray:
     """Return the elastic energies of storeys or frame lines at their largest forces [J], summed over each scene."""
     stiffness = storeys["p"][..., 0]
     peaks = np.where(storeys["yields"] > 0, storeys["peak_f"], stiffness * storeys["peak_v"])
     return np.asarray(0.5 * np.sum(peaks**2 / np.where(stiffness > 0, stiffness, np.inf), axis=1))
 
 
-def forces_now(storeys: np.ndarray) -> np.ndarray:
+def compute_forces(storeys: np.ndarray) -> np.ndarray:
     """Forces of storeys at the end of a run, without dashpots [N]."""
     p = storeys["p"]
     z = storeys["h"][..., 0]
@@ -236,7 +238,7 @@ def forces_now(storeys: np.ndarray) -> np.ndarray:
     return storeys["k"] * storeys["v1"] + storeys["f0"] + np.where(storeys["smooth"] > 0, smooth, 0.0)
 
 
-def _stored_in_links(scenes: Sequence[Scene], elements: np.ndarray) -> np.ndarray:
+def _compute_energy_of_links(scenes: Sequence[Scene], elements: np.ndarray) -> np.ndarray:
     """Energy in the links of scenes at the end of their runs [J]; a link that is open holds none."""
     total = np.zeros(len(scenes))
     for number, place in np.argwhere(elements["closed"]).tolist():
@@ -247,7 +249,7 @@ def _stored_in_links(scenes: Sequence[Scene], elements: np.ndarray) -> np.ndarra
     return total
 
 
-def collapse_of(layout: Layout, elements: np.ndarray) -> tuple[int, int]:
+def find_collapse(layout: Layout, elements: np.ndarray) -> tuple[int, int]:
     """(building from 0, storey from 1) of the storey that has drifted furthest of what it stands, at one of its lines
     where floors twist."""
     shares = elements["peak_v"] / elements["collapse"]
@@ -268,12 +270,12 @@ def put_collapse(peaks: np.void, layout: Layout, building: int, storey: int, tim
     peaks["collapse_time"][ends] = time
 
 
-def collapse_flag(building: str, storey: int, time: float) -> Flag:
+def build_collapse_flag(building: str, storey: int, time: float) -> Flag:
     """Return the flag of a storey of a building that collapsed, counted from 1, at a time [s]."""
     return Flag(COLLAPSED, f"{building} storey {storey}, at {time:.4g} s", severity=-time)  # the earlier, the worse
 
 
-def flags_of(scene: Scene, peaks: np.void) -> tuple[Flag, ...]:
+def list_flags(scene: Scene, peaks: np.void) -> tuple[Flag, ...]:
     """One flag for each base that moved further than its isolators can, and for each link compressed beyond its
     thickness or its gap (paper, after eqs 9 and 10); its severity is how far beyond [m].
 
@@ -301,7 +303,7 @@ def flags_of(scene: Scene, peaks: np.void) -> tuple[Flag, ...]:
             beyond = closing - link.gap
             detail = f"{left.name} | {right.name}, floor {link.left_floor}, by {1000 * beyond:.3g} mm"
             flags.append(Flag(link.law.beyond_gap, detail, beyond))
-    return (*flags, *flags_of_passing_floors(scene, peaks))
+    return (*flags, *list_passing_floors(scene, peaks))
 
 
 PASSING_SHARE = 0.1
@@ -311,7 +313,7 @@ PASSING = "floors pass through each other by more than a tenth of a storey heigh
 """The flag of a scene where they do."""
 
 
-def flags_of_passing_floors(scene: Scene, peaks: np.void) -> list[Flag]:
+def list_passing_floors(scene: Scene, peaks: np.void) -> list[Flag]:
     """Return a flag for each contact that closed its gap by more than `PASSING_SHARE` of a storey height.
 
     Parameters

@@ -5,20 +5,20 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from pounding_cli.solver.events import TOUCH, integral, rate_series
+from pounding_cli.solver.events import TOUCH, build_rate, integrate_rate
 from pounding_cli.solver.options import CALLED, INVERSE, PART
-from pounding_cli.solver.polynomial import SLOPE, highest
+from pounding_cli.solver.polynomial import SLOPE, find_largest
 
 
 @njit(**PART)
-def _may_turn(first, last, deviation):
+def _can_turn(first, last, deviation):
     """Whether a quantity may have its largest value inside the step: its slope differs from the mean by four chord
     deviations at most."""
     return not abs(last - first) > 4.0 * deviation
 
 
 @njit(**PART)
-def _keeps_sign(first, last, deviation):
+def _is_of_one_sign(first, last, deviation):
     """Whether a rate keeps its sign in the step: then what it belongs to has no peak inside."""
     return first * last > 0.0 and min(abs(first), abs(last)) > deviation
 
@@ -31,58 +31,58 @@ def raise_peaks(dofs, elements, terms, run, series, columns):
         if max(dof.u0, dof.u1) + dof.du > dof.u_max or min(dof.u0, dof.u1) - dof.du < dof.u_min:
             dof.u_max = max(dof.u_max, dof.u0, dof.u1)
             dof.u_min = min(dof.u_min, dof.u0, dof.u1)
-            if not _keeps_sign(dof.w[0], dof.v1, dof.dv):
+            if not _is_of_one_sign(dof.w[0], dof.v1, dof.dv):
                 if max(dof.u0, dof.u1) + dof.du > dof.u_max:
-                    dof.u_max = _displacement_peak(dof, run, 1.0, dof.u_max)
+                    dof.u_max = _find_displacement(dof, run, 1.0, dof.u_max)
                 if min(dof.u0, dof.u1) - dof.du < dof.u_min:
-                    dof.u_min = -_displacement_peak(dof, run, -1.0, -dof.u_min)
+                    dof.u_min = -_find_displacement(dof, run, -1.0, -dof.u_min)
         if dof.felt == 0.0:
             continue
         largest = max(abs(dof.a0), abs(dof.a1))
         if largest + dof.da > dof.a_max:
             dof.a_max = max(dof.a_max, largest)
-            if _may_turn(dof.a0, dof.a1, dof.da):
-                _acceleration_peak(dof, run)
+            if _can_turn(dof.a0, dof.a1, dof.da):
+                _raise_acceleration(dof, run)
     for e in range(run.m):
         el = elements[e]
         storey = el.drifts != 0
-        if _ends_rise(el, storey):
-            rate_series(dofs, elements, terms, run, e)
-            _deformation_peaks(el, run, storey)
+        if _raise_to_ends(el, storey):
+            build_rate(dofs, elements, terms, run, e)
+            _raise_deformation(el, run, storey)
         if not storey and el.least > -TOUCH and el.v0 <= 0.0:  # how far floors in touch part, inside the step too
-            rate_series(dofs, elements, terms, run, e)
-            el.least = -highest(run, integral(run, -1.0, -el.v0), run.end, -el.least, storey)
+            build_rate(dofs, elements, terms, run, e)
+            el.least = -find_largest(run, integrate_rate(run, -1.0, -el.v0), run.end, -el.least, storey)
         if el.acts and (el.smooth if storey else el.closed):
-            _force_peak(el, run, series[el.row])
+            _raise_force(el, run, series[el.row])
     for c in range(run.columns):
         column = columns[c]
         el = elements[column.storey]
         if not el.twists:
-            _column_peak(dofs, elements, terms, run, series, column)
+            _raise_column_shear(dofs, elements, terms, run, series, column)
             continue
         mate = elements[el.mate]
         if column.is_sum and not run.smooth:
             one = el.k
             other = el.coupled_k
             constant = el.f0
-            column.peak, rises = _ends_of_pair(el, mate, one, other, constant, column.peak)
+            column.peak, rises = _raise_pair_to_ends(el, mate, one, other, constant, column.peak)
             if rises:
-                column.peak = _peak_of_pair(dofs, elements, terms, run, el, one, other, constant, column.peak)
+                column.peak = _find_pair_peak(dofs, elements, terms, run, el, one, other, constant, column.peak)
         else:
-            _shear_peak(dofs, elements, terms, run, series, column)
+            _raise_storey_shear(dofs, elements, terms, run, series, column)
         if column.is_sum:
-            column.peak_low, rises = _ends_of_pair(el, mate, 1.0, column.low, 0.0, column.peak_low)
+            column.peak_low, rises = _raise_pair_to_ends(el, mate, 1.0, column.low, 0.0, column.peak_low)
             if rises:
-                column.peak_low = _peak_of_pair(dofs, elements, terms, run, el, 1.0, column.low, 0.0, column.peak_low)
-            column.peak_high, rises = _ends_of_pair(el, mate, 1.0, column.high, 0.0, column.peak_high)
+                column.peak_low = _find_pair_peak(dofs, elements, terms, run, el, 1.0, column.low, 0.0, column.peak_low)
+            column.peak_high, rises = _raise_pair_to_ends(el, mate, 1.0, column.high, 0.0, column.peak_high)
             if rises:
-                column.peak_high = _peak_of_pair(
+                column.peak_high = _find_pair_peak(
                     dofs, elements, terms, run, el, 1.0, column.high, 0.0, column.peak_high
                 )
 
 
 @njit(**PART)
-def _ends_rise(el, storey):
+def _raise_to_ends(el, storey):
     """Raise the largest |v| and |k v + f0| (without the dashpot) of a storey, or the largest v of a link, to the ends
     of the step; whether it may rise above them inside."""
     first, last = (abs(el.v0), abs(el.v1)) if storey else (el.v0, el.v1)
@@ -94,34 +94,34 @@ def _ends_rise(el, storey):
         last = abs(el.k * el.v1 + el.f0)
         rises = rises or max(first, last) + abs(el.k) * el.dv > el.peak_f
         el.peak_f = max(el.peak_f, first, last)
-    return rises and not _keeps_sign(el.r0, el.r1, el.dr)
+    return rises and not _is_of_one_sign(el.r0, el.r1, el.dr)
 
 
 @njit(**CALLED)
-def _deformation_peaks(el, run, storey):
+def _raise_deformation(el, run, storey):
     """The same inside the step, for an element whose rate stands in r.p."""
-    n = integral(run, 1.0, el.v0)
-    el.peak_v = highest(run, n, run.end, el.peak_v, storey)
+    n = integrate_rate(run, 1.0, el.v0)
+    el.peak_v = find_largest(run, n, run.end, el.peak_v, storey)
     if storey and el.yields and not el.smooth:
         for k in range(n + 1):
             run.p[k] *= el.k
         run.p[0] += el.f0
-        el.peak_f = highest(run, n, run.end, el.peak_f, storey)
+        el.peak_f = find_largest(run, n, run.end, el.peak_f, storey)
 
 
 @njit(**CALLED)
-def _displacement_peak(dof, run, side, peak):
+def _find_displacement(dof, run, side, peak):
     """Largest displacement inside the step, times `side`."""
     p = run.p
     absolute = run.h < 0.0
     p[0] = side * dof.u0
     for k in range(run.order + 1):
         p[k + 1] = side * dof.w[k] * run.h * INVERSE[k + 1]
-    return highest(run, run.order + 1, run.end, peak, absolute)
+    return find_largest(run, run.order + 1, run.end, peak, absolute)
 
 
 @njit(**CALLED)
-def _acceleration_peak(dof, run):
+def _raise_acceleration(dof, run):
     """Largest |total acceleration| inside the step."""
     p = run.p
     absolute = run.h > 0.0
@@ -129,11 +129,11 @@ def _acceleration_peak(dof, run):
         p[k] = (k + 1) / run.h * dof.w[k + 1]
     p[0] += run.g0
     p[1] += run.g1
-    dof.a_max = highest(run, run.order - 1, run.end, dof.a_max, absolute)
+    dof.a_max = find_largest(run, run.order - 1, run.end, dof.a_max, absolute)
 
 
 @njit(**CALLED)
-def _force_peak(el, run, row):
+def _raise_force(el, run, row):
     """Largest |force|, impulse and time of an element that acts."""
     first = row.f[0]
     deviation = 0.0
@@ -152,16 +152,16 @@ def _force_peak(el, run, row):
     deviation *= 0.125
     if max(abs(first), abs(last)) + deviation > el.peak_f:
         el.peak_f = max(el.peak_f, abs(first), abs(last))
-        if _may_turn(first, last, deviation):
+        if _can_turn(first, last, deviation):
             p = run.p
             absolute = run.h > 0.0
             for k in range(run.order):
                 p[k] = row.f[k]
-            el.peak_f = highest(run, run.order - 1, run.end, el.peak_f, absolute)
+            el.peak_f = find_largest(run, run.order - 1, run.end, el.peak_f, absolute)
 
 
 @njit(**CALLED)
-def _column_peak(dofs, elements, terms, run, series, column):
+def _raise_column_shear(dofs, elements, terms, run, series, column):
     """Largest |shear| in struck columns: their share of the storey's, and what blows on them add at that end."""
     el = elements[column.storey]
     p = run.p
@@ -172,10 +172,10 @@ def _column_peak(dofs, elements, terms, run, series, column):
         for k in range(n):
             p[k] = column.share * row.f[k]
     else:
-        rate_series(dofs, elements, terms, run, np.int64(column.storey))
-        n = integral(run, column.share * el.k, column.share * (el.k * el.v0 + el.f0)) + 1
+        build_rate(dofs, elements, terms, run, np.int64(column.storey))
+        n = integrate_rate(run, column.share * el.k, column.share * (el.k * el.v0 + el.f0)) + 1
     _add_forces(elements, terms, run, series, column)
-    column.peak = highest(run, n - 1, run.end, column.peak, absolute)
+    column.peak = find_largest(run, n - 1, run.end, column.peak, absolute)
 
 
 @njit(**CALLED)
@@ -183,20 +183,20 @@ def _add_forces(elements, terms, run, series, column):
     """Add the forces of links, and of lines whose force is smooth, to the polynomial of a shear in r.p [N]."""
     for x in range(column.first, column.last):
         el = elements[terms[x].dof]
-        if _adds_force(el):
+        if _has_own_force(el):
             row = series[el.row]
             for k in range(run.order):
                 run.p[k] += terms[x].weight * row.f[k]
 
 
 @njit(**PART)
-def _adds_force(el):
+def _has_own_force(el):
     """Return whether a link, or a line, adds a force of its own to a shear: straight lines are part of their storey."""
     return el.smooth if el.drifts else el.closed and el.acts
 
 
 @njit(**PART)
-def _ends_of_pair(el, mate, one, other, constant, peak):
+def _raise_pair_to_ends(el, mate, one, other, constant, peak):
     """Raise the largest |one x drift + other x twist + constant| of a storey whose floors twist to the step's ends;
     return it, and whether it may rise above them inside."""
     first = one * el.v0 + other * mate.v0 + constant
@@ -206,40 +206,40 @@ def _ends_of_pair(el, mate, one, other, constant, peak):
         peak = max(peak, abs(first), abs(last))
         rate = one * el.r0 + other * mate.r0
         last_rate = one * el.r1 + other * mate.r1
-        rises = not _keeps_sign(rate, last_rate, abs(one) * el.dr + abs(other) * mate.dr)
+        rises = not _is_of_one_sign(rate, last_rate, abs(one) * el.dr + abs(other) * mate.dr)
     return peak, rises
 
 
 @njit(**CALLED)
-def _pair_series(dofs, elements, terms, run, el, one, other, constant):
+def _build_pair(dofs, elements, terms, run, el, one, other, constant):
     """Coefficients of one x drift + other x twist + constant of a storey, into r.p; returns their degree."""
     p = run.p
     at = np.int64(SLOPE)
     start = one * el.v0 + other * elements[el.mate].v0 + constant
-    rate_series(dofs, elements, terms, run, np.int64(elements[el.mate].mate))
+    build_rate(dofs, elements, terms, run, np.int64(elements[el.mate].mate))
     for k in range(run.order + 1):
         p[at + k] = one * p[k]
-    rate_series(dofs, elements, terms, run, np.int64(el.mate))
+    build_rate(dofs, elements, terms, run, np.int64(el.mate))
     for k in range(run.order + 1):
         p[k] = p[at + k] + other * p[k]
-    return integral(run, 1.0, start)
+    return integrate_rate(run, 1.0, start)
 
 
 @njit(**CALLED)
-def _peak_of_pair(dofs, elements, terms, run, el, one, other, constant, peak):
+def _find_pair_peak(dofs, elements, terms, run, el, one, other, constant, peak):
     """The same inside the step."""
     absolute = run.h > 0.0
-    n = _pair_series(dofs, elements, terms, run, el, one, other, constant)
-    return highest(run, n, run.end, peak, absolute)
+    n = _build_pair(dofs, elements, terms, run, el, one, other, constant)
+    return find_largest(run, n, run.end, peak, absolute)
 
 
 @njit(**CALLED)
-def _shear_peak(dofs, elements, terms, run, series, column):
+def _raise_storey_shear(dofs, elements, terms, run, series, column):
     """Largest |shear| of a storey whose floors twist, or of its struck columns: straight in drift and twist but for
     forces of links and of lines whose force is smooth."""
     el = elements[column.storey]
     share = column.share
     absolute = run.h > 0.0
-    n = _pair_series(dofs, elements, terms, run, el, share * el.k, share * el.coupled_k, share * el.f0)
+    n = _build_pair(dofs, elements, terms, run, el, share * el.k, share * el.coupled_k, share * el.f0)
     _add_forces(elements, terms, run, series, column)
-    column.peak = highest(run, n, run.end, column.peak, absolute)
+    column.peak = find_largest(run, n, run.end, column.peak, absolute)

@@ -22,7 +22,7 @@ NEAR = 1e-7
 
 
 @njit(**PART)
-def value(p, n, s, at=0):
+def evaluate(p, n, s, at=0):
     """The polynomial of degree n whose coefficients begin at p[at], at s (Horner)."""
     total = p[at + n]
     for k in range(at + n - 1, at - 1, -1):
@@ -31,7 +31,7 @@ def value(p, n, s, at=0):
 
 
 @njit(**CALLED)
-def first_crossing(run, n, end):
+def find_first_crossing(run, n, end):
     """First s in [0, end] where the polynomial in r.p stops being positive, or NEVER.
 
     Leading coefficients that are exactly zero mean "zero at the start": the sign of the first one that is not decides,
@@ -66,12 +66,12 @@ def first_crossing(run, n, end):
     if last > 0.0 and min(start, last) > 0.125 * bound * end:
         return NEVER
     if start_slope * last_slope > 0.0 and min(abs(start_slope), abs(last_slope)) > 0.125 * bend:
-        return NEVER if last > 0.0 else _bracketed(run, first, n, 0.0, end, start, last, LAST)
-    return _march(run, first, n, end, bound / end if end > 0.0 else 0.0, 1e-17 * size, last)
+        return NEVER if last > 0.0 else _find_root(run, first, n, 0.0, end, start, last, LAST)
+    return _march_to_root(run, first, n, end, bound / end if end > 0.0 else 0.0, 1e-17 * size, last)
 
 
 @njit(**CALLED)
-def _bracketed(run, first, last, low, high, at_low, at_high, near):
+def _find_root(run, first, last, low, high, at_low, at_high, near):
     """A root of the polynomial r.p[first] to r.p[last] between `low`, where it is `at_low`, and `high`, where it is
     `at_high` of the other sign or 0: Newton kept inside the bracket, until it moves by less than the part `near`."""
     p = run.p
@@ -98,7 +98,7 @@ def _bracketed(run, first, last, low, high, at_low, at_high, near):
 
 
 @njit(**CALLED)
-def _march(run, first, n, end, bound, floor, last):
+def _march_to_root(run, first, n, end, bound, floor, last):
     """The first root by steps that never pass one, with |p''| <= bound; the sign at `end` decides if they get short."""
     p = run.p
     s = 0.0
@@ -121,7 +121,7 @@ def _march(run, first, n, end, bound, floor, last):
         if step <= LAST * s:
             return s
         s += step
-    return _bracketed(run, first, n, s, end, total, last, LAST) if last <= 0.0 else s
+    return _find_root(run, first, n, s, end, total, last, LAST) if last <= 0.0 else s
 
 
 PIECES = 8
@@ -129,7 +129,7 @@ PIECES = 8
 
 
 @njit(**CALLED)
-def highest(run, n, end, best, absolute):
+def find_largest(run, n, end, best, absolute):
     """The larger of `best` and the largest p (|p| if `absolute`) in [0, end].
 
     Nothing is searched that a bound excludes: all of p below `best`, a slope that keeps its sign, a slope that is
@@ -170,14 +170,14 @@ def highest(run, n, end, best, absolute):
     left = p[0]
     for piece in range(1, pieces + 1):
         high = end * piece / pieces
-        right = value(p, n, high)
-        after = value(p, n - 1, high, q)
+        right = evaluate(p, n, high)
+        after = evaluate(p, n - 1, high, q)
         reach = max(abs(left), abs(right)) if absolute else max(left, right)
         best = max(best, reach)
         if first == 0.0:  # look behind the turn that the piece begins with
-            first = value(p, n - 1, low + 1e-6 * end, q)
+            first = evaluate(p, n - 1, low + 1e-6 * end, q)
         if first * after < 0.0 and reach + rise > best:
-            found = value(p, n, _bracketed(run, q, q + n - 1, low, high, first, after, NEAR))
+            found = evaluate(p, n, _find_root(run, q, q + n - 1, low, high, first, after, NEAR))
             best = max(best, abs(found) if absolute else found)
         low = high
         left = right

@@ -28,7 +28,7 @@ PLACES_INSIDE = 8
 """Places inside a step where velocities and forces are looked at for its energies."""
 
 
-def _dtype(**fields: str) -> np.dtype:
+def _build_dtype(**fields: str) -> np.dtype:
     """Fields by kind: `f8="a b w:32"` are two numbers and a row of 32; whatever follows the kind's two letters tells
     lists of one kind apart."""
     made: list[Any] = []
@@ -39,7 +39,7 @@ def _dtype(**fields: str) -> np.dtype:
     return np.dtype(made, align=True)
 
 
-DOF = _dtype(
+DOF = _build_dtype(
     # w: coefficients of the velocity in the step [m/s]
     # inside: the velocity at the places of the quadrature
     # drag: mass-proportional damping [1/s]
@@ -56,7 +56,7 @@ DOF = _dtype(
     " scale u_max u_min a_max fastest felt unit apart:8",
     u8="foot",
 )
-ELEMENT = _dtype(
+ELEMENT = _build_dtype(
     # present branch, see laws.law.Behaviour; stiffness: k, less the load over the height of P-Delta
     # previous: rate of the order before
     # v0, r0 deformation and rate at the step's start, v1, r1 at its end, dv, dr chord deviations
@@ -83,20 +83,20 @@ ELEMENT = _dtype(
     # storey, mate: of a line, the storeys whose drift and twist are its own; of these, mate is the other one
     u8="left right first last formula storey mate",
 )
-TERM = _dtype(f8="weight", u8="dof")
+TERM = _build_dtype(f8="weight", u8="dof")
 """Further term of an element; of a struck column the weight of a link's force in its shear."""
 
-COLUMN = _dtype(f8="share peak low high peak_low peak_high", i8="is_sum", u8="storey first last")
+COLUMN = _build_dtype(f8="share peak low high peak_low peak_high", i8="is_sum", u8="storey first last")
 """What is looked at beside the elements: the shear in struck columns, and of whole storeys that are sums over lines
 (is_sum): a share of the storey's shear, and terms of the forces of links and of lines. Of these storeys the drifts of
 both edges too, those of the storey plus `low` and `high` times its twist."""
 
-SERIES = _dtype(
+SERIES = _build_dtype(
     # of a link that acts: deformation, rate, force, and two that a cubic force needs
     f8=" ".join(f"{name}:{ORDERS}" for name in ("v", "rate", "f", "square", "cubic_root")),
     u8="element",
 )
-RUN = _dtype(
+RUN = _build_dtype(
     # begun: when the motion began [s]; still: 1 before
     # most_h: longest step of the run [s]; rest: length of the last segment, where a tail ends between samples [s]
     # smaller: part of the step that the tolerance of DOP853 allows, where finer is asked than it can be [-]
@@ -116,13 +116,13 @@ RUN = _dtype(
 DERIVATIVES = 16
 """Of what DOP853 integrates: at its twelve stages, at the step's end, and three more for the dense output."""
 
-STATE = _dtype(
+STATE = _build_dtype(
     # y0 at the step's start, y at a stage; k: the derivatives; c: coefficients in the step; scale: what errors are
     # measured by
     f8=f"y0 y k:{DERIVATIVES} c:8 scale"
 )
 
-FORMULA = _dtype(f8=f"operations:{MAX_OPERATIONS}x4 registers:{MAX_OPERATIONS + 2}", i8="count result")
+FORMULA = _build_dtype(f8=f"operations:{MAX_OPERATIONS}x4 registers:{MAX_OPERATIONS + 2}", i8="count result")
 """Operations of a formula of the study (`laws.formula`), the registers they fill, and which of them is the force."""
 
 DONE, COLLAPSED, STEP_BOUND, EVENT_BOUND, STALLED, NOT_FINITE, NO_ROOT, UNSTABLE = range(8)

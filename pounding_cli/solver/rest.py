@@ -29,9 +29,9 @@ from pounding_cli.laws.law import LinkLaw
 from pounding_cli.laws.slider import FRICTION
 from pounding_cli.model.scene import Scene
 from pounding_cli.solver import records
-from pounding_cli.solver.assemble import NOTHING_KEPT, Layout, term_matrix
+from pounding_cli.solver.assemble import NOTHING_KEPT, Layout, build_term_matrix
 from pounding_cli.solver.events import TOUCH
-from pounding_cli.solver.outcome import closings_of, forces_now
+from pounding_cli.solver.outcome import compute_forces, to_closings
 from pounding_cli.solver.records import Data, Room
 
 if TYPE_CHECKING:
@@ -103,7 +103,7 @@ def find_rest(run: SceneRun, is_done: np.ndarray) -> Rest:
     first_link = layout.of_links.start
     offsets = links["offset"]
     peaks = run.data.elements["peak_v"][:, :first_link].copy()
-    rest = Rest(np.full(peaks.shape, np.nan), [""] * len(run.scenes), closings_of(layout, links["peak_v"], offsets))
+    rest = Rest(np.full(peaks.shape, np.nan), [""] * len(run.scenes), to_closings(layout, links["peak_v"], offsets))
     is_asked = np.array([scene.residual_drift for scene in run.scenes], bool) & is_done
     if not _has_memory(layout, run.scenes[0]):
         rest.drift[is_done] = 0.0
@@ -117,7 +117,7 @@ def find_rest(run: SceneRun, is_done: np.ndarray) -> Rest:
     data.run["events"] = 0
     data.run["most_steps"] = MAX_STEPS
     data.run["most_events"] = MAX_STEPS
-    period = _longest_period(layout)
+    period = _find_longest_period(layout)
     elapsed = 0.0
     while places.size:
         state = _State(layout, [run.scenes[place] for place in places.tolist()], data)
@@ -128,7 +128,7 @@ def find_rest(run: SceneRun, is_done: np.ndarray) -> Rest:
             if is_at_rest[row] and not reasons[row]:
                 rest.drift[place] = state.drift[row, :first_link]
             closing = np.maximum(data.elements["peak_v"][row], state.drift[row])[layout.of_links]
-            rest.max_closing[place] = closings_of(layout, closing, offsets[place])
+            rest.max_closing[place] = to_closings(layout, closing, offsets[place])
         goes_on = np.array([not (done or reason) for done, reason in zip(is_at_rest, reasons, strict=True)], bool)
         places = places[goes_on]
         data = _copy_scenes(data, np.flatnonzero(goes_on))
@@ -193,18 +193,18 @@ def _find_reasons(state: _State, is_at_rest: np.ndarray, elapsed: float) -> list
 
 
 @functools.lru_cache(maxsize=64)
-def _shape_of(layout: Layout) -> np.ndarray:
+def _build_shape(layout: Layout) -> np.ndarray:
     """Return `term_matrix` of a layout, made once."""
-    return term_matrix(layout)
+    return build_term_matrix(layout)
 
 
-def _times(matrices: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+def _multiply(matrices: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     """Return the products of matrices (scenes, n, n) and vectors (scenes, n)."""
     return np.einsum("sij,sj->si", matrices, vectors)
 
 
 @functools.lru_cache(maxsize=64)
-def _load_matrix(layout: Layout) -> np.ndarray:
+def _build_load_matrix(layout: Layout) -> np.ndarray:
     """Return the stiffness that P-Delta takes away [N/m], shape (n, n). The weight acts on the floors alone."""
     rows = np.eye(layout.number)
     for i in range(1, layout.number):
@@ -212,10 +212,10 @@ def _load_matrix(layout: Layout) -> np.ndarray:
     return rows.T @ (layout.elements["load"][: layout.number, None] * rows)
 
 
-def _stiffness_matrix(layout: Layout, k: np.ndarray) -> np.ndarray:
+def _build_stiffness_matrix(layout: Layout, k: np.ndarray) -> np.ndarray:
     """Return the stiffness matrices of elements of the stiffnesses k [N/m], shape (scenes, n, n)."""
-    shape = _shape_of(layout)
-    return shape.T @ (k[:, :, None] * shape) - _load_matrix(layout)
+    shape = _build_shape(layout)
+    return shape.T @ (k[:, :, None] * shape) - _build_load_matrix(layout)
 
 
 def _hold(matrix: np.ndarray, is_still: np.ndarray, diagonal: float) -> np.ndarray:
@@ -227,7 +227,7 @@ def _hold(matrix: np.ndarray, is_still: np.ndarray, diagonal: float) -> np.ndarr
 
 
 @functools.lru_cache(maxsize=64)
-def _modes(layout: Layout) -> tuple[np.ndarray, np.ndarray]:
+def _find_modes(layout: Layout) -> tuple[np.ndarray, np.ndarray]:
     """Return the frequencies [rad/s] of the buildings with their initial stiffnesses, without links and on sliders that
     stick, and their shapes over the square roots of the masses, of what moves; shapes (modes,) and (n, modes)."""
     n = layout.number
@@ -236,15 +236,15 @@ def _modes(layout: Layout) -> tuple[np.ndarray, np.ndarray]:
     k[0, is_spring] = layout.elements["p"][is_spring, 0]
     is_still = (layout.dofs["inv_mass"] == 0.0) | (layout.elements["slides"][:n] > 0)
     root = np.sqrt(np.where(is_still, 0.0, layout.dofs["inv_mass"]))
-    matrix = _hold(_stiffness_matrix(layout, k), is_still[None, :], 0.0)[0]
+    matrix = _hold(_build_stiffness_matrix(layout, k), is_still[None, :], 0.0)[0]
     squares, shapes = np.linalg.eigh(matrix * np.outer(root, root))
     moves = squares > 0.0
     return np.sqrt(squares[moves]), root[:, None] * shapes[:, moves]
 
 
-def _longest_period(layout: Layout) -> float:
+def _find_longest_period(layout: Layout) -> float:
     """Return the longest period of the buildings with their initial stiffnesses [s]."""
-    return 2.0 * math.pi / float(_modes(layout)[0].min(initial=math.inf))
+    return 2.0 * math.pi / float(_find_modes(layout)[0].min(initial=math.inf))
 
 
 class _State:
@@ -291,7 +291,7 @@ class _State:
         is_smooth = self.is_storey & (e["smooth"] > 0)
         self.is_curved = is_smooth.copy()
         self.k = np.where(is_smooth, e["p"][:, :, 0], self.k)
-        self.f0 = np.where(is_smooth, forces_now(e) - self.k * e["v1"], self.f0)
+        self.f0 = np.where(is_smooth, compute_forces(e) - self.k * e["v1"], self.f0)
         relaxes = e["relaxation"] > 0.0
         self.k[relaxes] = 0.0
         curved = (e["acts"] > 0) & ((e["smooth"] > 0) | (e["cubic"] != 0.0))
@@ -326,27 +326,27 @@ class _State:
 
     def _solve(self) -> None:
         """Find the equilibrium, with the contacts that are pressed and without the others."""
-        shape = _shape_of(self.layout)
+        shape = _build_shape(self.layout)
         acts = ~self.is_contact | self.is_pressed
         k = np.where(acts, self.k, 0.0)
         f0 = np.where(acts, self.f0, 0.0)
         offset = self.data.elements["offset"]
-        self.whole_matrix = _stiffness_matrix(self.layout, k)
+        self.whole_matrix = _build_stiffness_matrix(self.layout, k)
         self.matrix = _hold(self.whole_matrix, self.is_still, 1.0)
         place = np.where(self.is_held, self.data.dofs["u0"], 0.0)  # of what does not move
         pull = (k * offset - f0) @ shape
-        free_pull = np.where(self.is_still, place, pull - _times(self.whole_matrix, place))
+        free_pull = np.where(self.is_still, place, pull - _multiply(self.whole_matrix, place))
         self.is_stable = np.linalg.eigvalsh(self.matrix)[:, 0] > 0.0
         self.matrix[~self.is_stable] = np.eye(self.layout.number)
         self.displacement = np.linalg.solve(self.matrix, free_pull[..., None])[..., 0]
-        self.drive = pull - _times(self.whole_matrix, self.displacement)
+        self.drive = pull - _multiply(self.whole_matrix, self.displacement)
         self.drift = self.displacement @ shape.T - offset
         size = np.abs(self.displacement).max(axis=1, keepdims=True, initial=0.0)
         self.drift[np.abs(self.drift) <= ROUNDING * size] = 0.0
 
     def _bound(self) -> None:
         """Find how far the energy that is left takes every element, and the force on every held base."""
-        shape = _shape_of(self.layout)
+        shape = _build_shape(self.layout)
         dofs = self.data.dofs
         away = dofs["u0"] - self.displacement
         energy = 0.5 * (dofs["mass"] * dofs["w"][:, :, 0] ** 2).sum(axis=1)
@@ -366,7 +366,7 @@ class _State:
         It is linear in displacements, velocities and forces of Maxwell dampers, whose squares make up the energy; the
         forces of contacts that may close, and of links whose forces are curved, come on top of it.
         """
-        shape = _shape_of(self.layout)
+        shape = _build_shape(self.layout)
         e = self.data.elements
         inverse_mass = np.where(self.is_still, 0.0, self.layout.dofs["inv_mass"])
         slopes = np.where(self.is_still[:, None, :], 0.0, self.whole_matrix)
@@ -454,10 +454,10 @@ class _State:
     def is_undamped(self) -> np.ndarray:
         """Return whether a mode of the buildings has no damping, neither of theirs nor of links; shape (scenes,)."""
         layout = self.layout
-        omega, modes = _modes(layout)
+        omega, modes = _find_modes(layout)
         takes = [[_always_takes_energy(link.law) for link in scene.links] for scene in self.scenes]
         c = np.where(self.is_contact, 0.0, self._dashpots())
-        in_modes = (_shape_of(layout) @ modes) ** 2
+        in_modes = (_build_shape(layout) @ modes) ** 2
         own = (layout.dofs["drag"] * layout.dofs["mass"]) @ modes**2
         ratios = (c @ in_modes + own) / (2.0 * omega)
         return (ratios < UNDAMPED).any(axis=1) & ~np.array(takes, bool).any(axis=1)

@@ -6,25 +6,25 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from pounding_cli.solver.dispatch import line_force
+from pounding_cli.solver.dispatch import compute_line_force
 from pounding_cli.solver.energy import add_energy
 from pounding_cli.solver.events import (
     RATE,
     VALUE,
-    commit,
-    end_at,
-    ends_of_elements,
-    enter_all,
-    first_event,
+    change_branches,
+    deform_elements,
+    end_at_event,
+    enter_first_branches,
+    evaluate_end,
+    find_first_event,
     gather_lines,
-    summarise,
     unpin,
 )
-from pounding_cli.solver.options import CALLED, KERNEL, PART, bare
+from pounding_cli.solver.options import CALLED, KERNEL, PART, borrow_records
 from pounding_cli.solver.peaks import raise_peaks
 from pounding_cli.solver.records import DONE, EVENT_BOUND, NOT_FINITE, STALLED, STEP_BOUND, Room
-from pounding_cli.solver.series import expand, shorten, shrink, start
-from pounding_cli.solver.smooth import end_of_smooth, take_smooth
+from pounding_cli.solver.series import expand, find_converged_part, shorten, start_series
+from pounding_cli.solver.smooth import end_smooth_step, take_smooth_step
 from pounding_cli.solver.stick import hold_or_release, keep_held_forces
 
 FORGET = 0.9
@@ -81,7 +81,7 @@ def advance(dofs, elements, run):
 
 
 @njit(**PART)
-def count(run, happened):
+def count_step(run, happened):
     """Count a step and see whether the run may go on."""
     run.steps += 1
     run.orders += run.order
@@ -98,7 +98,7 @@ def count(run, happened):
 
 
 @njit(**CALLED)
-def begin(dofs, elements, terms, run, series):
+def begin_run(dofs, elements, terms, run, series):
     """The branches of all elements, and their deformations at the displacements and velocities of the start."""
     run.status = DONE
     run.still = 1
@@ -109,8 +109,8 @@ def begin(dofs, elements, terms, run, series):
         dof.u1 = dof.u0
         dof.v1 = dof.w[0]
         dof.u_max = dof.u_min = dof.u0
-    ends_of_elements(dofs, elements, terms, run)
-    enter_all(elements, run, series)
+    deform_elements(dofs, elements, terms, run)
+    enter_first_branches(elements, run, series)
     for i in range(run.n):
         hold_or_release(dofs[i], elements[i])
     for e in range(run.m):
@@ -122,7 +122,7 @@ def begin(dofs, elements, terms, run, series):
 
 
 @njit(**CALLED)
-def keep(dofs, elements, run, watch):
+def keep_state(dofs, elements, run, watch):
     """Keep the state at the end of the step as that of the next output time."""
     t = run.output
     run.output += 1
@@ -135,7 +135,7 @@ def keep(dofs, elements, run, watch):
         watch.storeys[t, i] = elements[i].work
     for e in range(run.m):
         el = elements[e]
-        f = el.acts * (el.f1 if el.smooth else line_force(el, el.v1, el.r1))
+        f = el.acts * (el.f1 if el.smooth else compute_line_force(el, el.v1, el.r1))
         if el.twists:
             f += el.coupled_k * elements[el.mate].v1
         if el.drifts:
@@ -163,21 +163,21 @@ def integrate(all_dofs, all_elements, terms, runs, all_series, all_columns, room
         after the other, those of a scene up to its `ends`
     rooms : for steps by DOP853; without it (None) a kernel is compiled that has series alone
     """
-    terms = bare(terms)
+    terms = borrow_records(terms)
     first = 0
     for scene in range(runs.size):
         run = runs[scene]
-        dofs = bare(all_dofs[scene])
-        elements = bare(all_elements[scene])
-        series = bare(all_series[scene])
-        columns = bare(all_columns[scene])
+        dofs = borrow_records(all_dofs[scene])
+        elements = borrow_records(all_elements[scene])
+        series = borrow_records(all_series[scene])
+        columns = borrow_records(all_columns[scene])
         pinned = run.resumes != 0  # what was known exactly at the end of the run before
         if not pinned:
-            begin(dofs, elements, terms, run, series)
+            begin_run(dofs, elements, terms, run, series)
             if run.lines:
                 gather_lines(elements, run)
         if watch.times.size > 0:
-            keep(dofs, elements, run, watch)
+            keep_state(dofs, elements, run, watch)
         for segment in range(ends[scene] - first):
             elapsed = 0.0
             run.longest = run.most_h
@@ -193,28 +193,28 @@ def integrate(all_dofs, all_elements, terms, runs, all_series, all_columns, room
                 smooth = run.smooth
                 if smooth:
                     if rooms is not None:
-                        take_smooth(
+                        take_smooth_step(
                             dofs, elements, terms, run, series, Room(rooms.states[scene], rooms.formulas[scene])
                         )
                         shortened = run.h < planned
                 else:
-                    start(dofs, elements, terms, run, series)
+                    start_series(dofs, elements, terms, run, series)
                     if not expand(dofs, elements, terms, run, series):
-                        ratio = shrink(dofs, elements, run, series)
+                        ratio = find_converged_part(dofs, elements, run, series)
                         if not ratio > SHORTEST:
                             run.status = NOT_FINITE
                         shortened = shorten(dofs, run, series, ratio)
                 if run.status != DONE:
                     break
-                summarise(dofs, elements, terms, run)
-                happened = first_event(dofs, elements, terms, run, series)
+                evaluate_end(dofs, elements, terms, run)
+                happened = find_first_event(dofs, elements, terms, run, series)
                 if run.end < 1.0:
-                    end_at(dofs, elements, terms, run)
+                    end_at_event(dofs, elements, terms, run)
                 else:
                     run.end = 1.0
                 if rooms is not None:
                     if smooth:
-                        end_of_smooth(elements, run, Room(rooms.states[scene], rooms.formulas[scene]))
+                        end_smooth_step(elements, run, Room(rooms.states[scene], rooms.formulas[scene]))
                 if run.has_sliders:
                     keep_held_forces(elements, run, series)
                 add_energy(dofs, elements, run, series)
@@ -223,14 +223,14 @@ def integrate(all_dofs, all_elements, terms, runs, all_series, all_columns, room
                     unpin(elements, run)
                     pinned = False
                 advance(dofs, elements, run)
-                count(run, happened)
+                count_step(run, happened)
                 run.follows = smooth and not happened
                 elapsed += run.h * run.end
                 run.time = segment * run.dt + elapsed
                 if output <= run.h * run.end + NEAR * run.dt:
-                    keep(dofs, elements, run, watch)
+                    keep_state(dofs, elements, run, watch)
                 if happened:
-                    commit(dofs, elements, terms, run, series)
+                    change_branches(dofs, elements, terms, run, series)
                     pinned = True
                     run.longest = run.most_h
                 if whole and not shortened and run.end == 1.0:

@@ -12,7 +12,7 @@ import math
 import numpy as np
 from numba import njit
 
-from pounding_cli.solver.dispatch import line_force
+from pounding_cli.solver.dispatch import compute_line_force
 from pounding_cli.solver.options import CALLED, INVERSE, PART
 
 MIN_ORDER = 4
@@ -41,7 +41,7 @@ def zero_if_rounding(total, magnitude, tolerance):
 
 
 @njit(**PART)
-def _link_rate(dofs, terms, k, el):
+def _compute_link_rate(dofs, terms, k, el):
     """Order k of the rate of a link."""
     rate = dofs[el.left].w[k] - dofs[el.right].w[k]
     for x in range(el.first, el.last):
@@ -73,21 +73,21 @@ def push_by_storey(dofs, el, i, f, has_lean):
 
 
 @njit(**PART)
-def coupled_force(elements, el):
+def compute_coupled_force(elements, el):
     """Return what the lines of a storey whose floors twist add to its force at the start of a step by its mate [N]."""
     mate = elements[el.mate]
     return el.coupled_k * mate.v0 + el.coupled_c * mate.r0
 
 
 @njit(**PART)
-def start(dofs, elements, terms, run, series):
+def start_series(dofs, elements, terms, run, series):
     """Order 0: forces of all elements, and accelerations of all degrees of freedom, which go to order 1 of w."""
     for i in range(run.n):
         dofs[i].push = dofs[i].mass * dofs[i].loaded * run.g0
     for a in range(run.active):
         row = series[a]
         el = elements[row.element]
-        f = line_force(el, el.v0, el.r0)
+        f = compute_line_force(el, el.v0, el.r0)
         row.v[0] = el.v0
         row.rate[0] = el.r0
         row.f[0] = f
@@ -100,9 +100,9 @@ def start(dofs, elements, terms, run, series):
     has_lines = run.lines > 0
     for i in range(run.n):
         el = elements[i]
-        f = line_force(el, el.v0, el.r0)
+        f = compute_line_force(el, el.v0, el.r0)
         if has_lines and el.twists:
-            f += coupled_force(elements, el)
+            f += compute_coupled_force(elements, el)
         push_by_storey(dofs, el, i, f, run.has_lean)
     for i in range(run.n):
         dof = dofs[i]
@@ -114,7 +114,7 @@ def start(dofs, elements, terms, run, series):
 
 
 @njit(**PART)
-def _cubic_term(el, row, k, v, rate):
+def _compute_cubic_term(el, row, k, v, rate):
     """Order k of the force k v + p v^3 + root sqrt(k + 3 p v^2) v' [N]."""
     row.v[k] = v
     row.rate[k] = rate
@@ -132,20 +132,20 @@ def _cubic_term(el, row, k, v, rate):
 
 
 @njit(**PART)
-def _push_of_links(dofs, elements, terms, series, count, k, part):
+def _push_links(dofs, elements, terms, series, count, k, part):
     """Order k of the forces of the links that act; `part` is h / k. Returns the largest term of a force that is cut
     off, over what may be left out: it moves no floor, but its sign is asked for."""
     largest = 0.0
     for a in range(count):
         row = series[a]
         el = elements[row.element]
-        rate = _link_rate(dofs, terms, k, el)
+        rate = _compute_link_rate(dofs, terms, k, el)
         v = part * el.previous
         el.previous = rate
         if el.relaxation > 0.0:  # F' = k v' - F / relaxation time
             f = el.k * v - el.relaxation * part * row.f[k - 1]
         elif el.cubic != 0.0:
-            f = _cubic_term(el, row, k, v, rate)
+            f = _compute_cubic_term(el, row, k, v, rate)
         else:
             f = el.k * v + el.c * rate
         row.v[k] = v
@@ -161,7 +161,7 @@ def _push_of_links(dofs, elements, terms, series, count, k, part):
 
 
 @njit(**PART)
-def _next_velocity(dof, k, w, f, after):
+def _advance_velocity(dof, k, w, f, after):
     """Order k + 1 of the velocity of a degree of freedom, where order k is w and the forces of its storeys add up to f;
     returns the size of its acceleration, over what may be left out."""
     a = -dof.inv_mass * (f + dof.push) - dof.drag * w
@@ -189,11 +189,11 @@ def _walk_up(dofs, elements, n, k, part, after, has_lean):
             foot.push += dof.lean * (f + el.load * moved + leaned)
             f += leaned
         if i > 0:
-            size = max(size, _next_velocity(dofs[i - 1], k, left, own - dof.below * f, after))
+            size = max(size, _advance_velocity(dofs[i - 1], k, left, own - dof.below * f, after))
         left = w
         before = earlier
         own = f
-    return max(size, _next_velocity(dofs[n - 1], k, left, own, after))
+    return max(size, _advance_velocity(dofs[n - 1], k, left, own, after))
 
 
 @njit(**PART)
@@ -227,23 +227,25 @@ def _walk_up_twisting(dofs, elements, n, k, part, after, has_lean):
             f_turn = mate.stiffness * turned + mate.c * turned_rate
             f_turn += el.coupled_k * (moved + leaned) + el.coupled_c * (rate + leaned_rate)
             if turn.below != 0.0:
-                size = max(size, _next_velocity(dofs[el.mate - np.uint64(1)], k, left_turn, own_turn - f_turn, after))
+                size = max(
+                    size, _advance_velocity(dofs[el.mate - np.uint64(1)], k, left_turn, own_turn - f_turn, after)
+                )
             left_turn = w_turn
             before_turn = earlier_turn
             own_turn = f_turn
             if el.twists > 1:
-                size = max(size, _next_velocity(turn, k, left_turn, own_turn, after))
+                size = max(size, _advance_velocity(turn, k, left_turn, own_turn, after))
         if has_lean:
             lean_force = el.k * leaned + el.c * leaned_rate
             foot.push += dof.lean * (f + el.load * moved + lean_force)
             f += lean_force
         if last >= 0:
-            size = max(size, _next_velocity(dofs[last], k, left, own - dof.below * f, after))
+            size = max(size, _advance_velocity(dofs[last], k, left, own - dof.below * f, after))
         left = w
         before = earlier
         own = f
         last = i
-    return max(size, _next_velocity(dofs[last], k, left, own, after))
+    return max(size, _advance_velocity(dofs[last], k, left, own, after))
 
 
 @njit(**PART)
@@ -264,7 +266,7 @@ def expand(dofs, elements, terms, run, series):
     while (small < 2 or k <= least) and k < most and size < DIVERGED:
         part = h * INVERSE[k]
         after = h * INVERSE[k + 1]
-        size = _push_of_links(dofs, elements, terms, series, count, k, part) if count else 0.0
+        size = _push_links(dofs, elements, terms, series, count, k, part) if count else 0.0
         if has_lines:
             if has_lean:
                 size = max(size, _walk_up_twisting(dofs, elements, n, k, part, after, True))
@@ -281,7 +283,7 @@ def expand(dofs, elements, terms, run, series):
 
 
 @njit(**PART)
-def shrink(dofs, elements, run, series):
+def find_converged_part(dofs, elements, run, series):
     """The part of the step in which the last two terms are small enough [-]; NaN beyond the range of doubles."""
     worst = 0.0
     for k in (run.order - 1, run.order):

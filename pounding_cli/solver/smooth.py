@@ -14,10 +14,10 @@ from pathlib import Path
 import numpy as np
 from numba import njit
 
-from pounding_cli.solver.dispatch import force, history_rate
-from pounding_cli.solver.events import ends_of_elements, integral, rate_series
-from pounding_cli.solver.options import CALLED, PART, bare
-from pounding_cli.solver.polynomial import value
+from pounding_cli.solver.dispatch import compute_force, history_rate
+from pounding_cli.solver.events import build_rate, deform_elements, integrate_rate
+from pounding_cli.solver.options import CALLED, PART, borrow_records
+from pounding_cli.solver.polynomial import evaluate
 from pounding_cli.solver.records import NOT_FINITE, STEP_BOUND, Room
 from pounding_cli.solver.series import push, push_by_storey, zero_if_rounding
 
@@ -44,7 +44,7 @@ ORDER = 7
 """Of the polynomials of velocities."""
 
 
-def _dense_output() -> np.ndarray:
+def _build_dense_output() -> np.ndarray:
     """Coefficients 1 to 7 of the polynomials of the states, over the step's length, from the derivatives at all stages:
     a sum of s, s (1 - s), s^2 (1 - s) and so on."""
     step = A[STAGES]
@@ -59,7 +59,7 @@ def _dense_output() -> np.ndarray:
     return made
 
 
-DENSE = _dense_output()
+DENSE = _build_dense_output()
 
 POINTS = 8
 PLACES = 0.5 - 0.5 * np.cos(np.pi * np.arange(POINTS) / (POINTS - 1))
@@ -88,7 +88,7 @@ SHORTEST = 1e-15
 
 
 @njit(**PART)
-def _state_at(dofs, elements, terms, run, states, stage):
+def _set_stage(dofs, elements, terms, run, states, stage):
     """The states y of a stage, y0 + h (A k), as displacements, velocities, deformations, rates and history variables
     of the records."""
     for i in range(states.size):
@@ -100,7 +100,7 @@ def _state_at(dofs, elements, terms, run, states, stage):
     for i in range(run.n):
         dofs[i].u1 = states[i].y
         dofs[i].v1 = states[run.n + i].y
-    ends_of_elements(dofs, elements, terms, run)
+    deform_elements(dofs, elements, terms, run)
     for e in range(run.m):
         el = elements[e]
         if el.state > 0:
@@ -108,7 +108,7 @@ def _state_at(dofs, elements, terms, run, states, stage):
 
 
 @njit(**PART)
-def _derivative(dofs, elements, terms, run, series, room, stage):
+def _take_derivatives(dofs, elements, terms, run, series, room, stage):
     """Derivatives of the states at a stage."""
     states = room.states
     formulas = room.formulas
@@ -122,7 +122,7 @@ def _derivative(dofs, elements, terms, run, series, room, stage):
         if el.state > 0 and not el.drifts:
             states[el.state].k[stage] = el.k * el.r1 - el.relaxation * el.h[0]
         if el.acts:
-            push(dofs, terms, el, force(el, el.v1, el.r1, formulas[el.formula]))
+            push(dofs, terms, el, compute_force(el, el.v1, el.r1, formulas[el.formula]))
     for e in range(n + run.drags, n + run.drags + run.lines):
         el = elements[e]
         if el.state > 0:
@@ -131,7 +131,7 @@ def _derivative(dofs, elements, terms, run, series, room, stage):
         el = elements[i]
         if el.state > 0:
             states[el.state].k[stage] = history_rate(el, el.r1, el.h[0])
-        f = force(el, el.v1, el.r1, formulas[el.formula])
+        f = compute_force(el, el.v1, el.r1, formulas[el.formula])
         if run.lines > 0 and el.twists:
             mate = elements[el.mate]
             f += el.coupled_k * mate.v1 + el.coupled_c * mate.r1
@@ -142,7 +142,7 @@ def _derivative(dofs, elements, terms, run, series, room, stage):
 
 
 @njit(**PART)
-def _error(run, states):
+def _estimate_error(run, states):
     """Error of the step over what it may be [-], the largest of all states: in a long row a mean would hide it.
 
     Infinite where a state is not finite, which a comparison passes over."""
@@ -165,7 +165,7 @@ def _error(run, states):
 
 
 @njit(**PART)
-def _longest(elements, run, series):
+def _find_longest_step(elements, run, series):
     """The longest step worth trying [s]: up to near where a contact parts, or across it."""
     longest = math.inf
     for a in range(run.active):
@@ -176,9 +176,9 @@ def _longest(elements, run, series):
 
 
 @njit(**CALLED)
-def take_smooth(dofs, elements, terms, run, series, room):
+def take_smooth_step(dofs, elements, terms, run, series, room):
     """A step that DOP853 accepts: the velocities' polynomials in `dofs`, the forces' in `series`."""
-    room = Room(bare(room.states), bare(room.formulas))
+    room = Room(borrow_records(room.states), borrow_records(room.formulas))
     states = room.states
     n = run.n
     for i in range(n):
@@ -187,7 +187,7 @@ def take_smooth(dofs, elements, terms, run, series, room):
     for e in range(run.m):
         if elements[e].state > 0:
             states[elements[e].state].y0 = elements[e].h[0]
-    run.next = min(run.next, _longest(elements, run, series))
+    run.next = min(run.next, _find_longest_step(elements, run, series))
     if run.h > run.next > 0.0:
         part = 1.0 / math.ceil(run.h / run.next - 1e-9)
         run.h *= part
@@ -198,9 +198,9 @@ def take_smooth(dofs, elements, terms, run, series, room):
         for i in range(states.size):
             states[i].k[0] = states[i].k[STAGES]
     while stage < ALL:
-        _state_at(dofs, elements, terms, run, states, stage)
+        _set_stage(dofs, elements, terms, run, states, stage)
         if stage == STAGES:
-            error = _error(run, states)
+            error = _estimate_error(run, states)
             factor = max(LEAST, min(MOST, SAFETY * run.smaller * max(error, 1e-300) ** (-0.125)))
             if not error < 1.0:
                 run.h *= factor
@@ -219,13 +219,13 @@ def take_smooth(dofs, elements, terms, run, series, room):
             run.next = run.h * factor
             for i in range(states.size):
                 states[i].scale = max(states[i].scale, 0.01 * abs(states[i].y))
-        _derivative(dofs, elements, terms, run, series, room, stage)
+        _take_derivatives(dofs, elements, terms, run, series, room, stage)
         stage += 1
-    _take_polynomials(dofs, elements, terms, run, series, room)
+    _build_polynomials(dofs, elements, terms, run, series, room)
 
 
 @njit(**PART)
-def _take_polynomials(dofs, elements, terms, run, series, room):
+def _build_polynomials(dofs, elements, terms, run, series, room):
     """Polynomials of velocities, history variables and forces."""
     states = room.states
     n = run.n
@@ -248,7 +248,7 @@ def _take_polynomials(dofs, elements, terms, run, series, room):
     for e in range(run.m):
         el = elements[e]
         if el.smooth if e < n or el.drifts else el.closed:
-            rate_series(dofs, elements, terms, run, e)
+            build_rate(dofs, elements, terms, run, e)
             _fit_force(el, run, series[el.row], states[el.state], room.formulas[el.formula], el.drifts)
 
 
@@ -258,7 +258,7 @@ def _fit_force(el, run, row, state, formula, storey):
     its dashpot."""
     for k in range(POINTS):
         row.rate[k] = run.p[k]
-    integral(run, 1.0, el.v0)
+    integrate_rate(run, 1.0, el.v0)
     for place in range(POINTS):
         at = PLACES[place]
         v = run.p[POINTS]
@@ -270,7 +270,7 @@ def _fit_force(el, run, row, state, formula, storey):
             h = h * at + state.c[k]
         if el.state > 0:
             el.h[0] = h
-        run.values[place] = force(el, v, rate, formula)
+        run.values[place] = compute_force(el, v, rate, formula)
         if storey:
             run.values[place] -= el.c * rate
     largest = 0.0
@@ -289,9 +289,9 @@ def _fit_force(el, run, row, state, formula, storey):
 
 
 @njit(**PART)
-def end_of_smooth(elements, run, room):
+def end_smooth_step(elements, run, room):
     """History variables at the end of the step."""
     for e in range(run.m):
         el = elements[e]
         if el.state > 0:
-            el.h[0] = value(room.states[el.state].c, ORDER, run.end)
+            el.h[0] = evaluate(room.states[el.state].c, ORDER, run.end)

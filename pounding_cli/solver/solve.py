@@ -21,8 +21,16 @@ from pounding_cli.model.links import Link
 from pounding_cli.model.parts import divide_scene
 from pounding_cli.model.scene import Scene
 from pounding_cli.solver import assemble, outcome, records
-from pounding_cli.solver.assemble import MOST_EVENTS, MOST_STEPS, Layout, layout_of, records_of, segments, term_matrix
-from pounding_cli.solver.kernels import FIXED_STEP_KERNEL, FOLDER, kernel_for, mark_compiled
+from pounding_cli.solver.assemble import (
+    MOST_EVENTS,
+    MOST_STEPS,
+    Layout,
+    build_layout,
+    build_records,
+    build_segments,
+    build_term_matrix,
+)
+from pounding_cli.solver.kernels import FIXED_STEP_KERNEL, FOLDER, find_kernel, mark_compiled
 from pounding_cli.solver.parts import join_responses
 from pounding_cli.solver.records import Data, Room
 from pounding_cli.solver.response import COLLAPSED, DONE, Flag, Response, no_peaks
@@ -92,7 +100,7 @@ def solve_all(
             of_parts = solve_all([each.scene for each in parts], accuracy, method, time_step=time_step)
             responses[number] = join_responses(scene, parts, of_parts)
         else:
-            numbers_by_layout.setdefault(layout_of(scene), []).append(number)
+            numbers_by_layout.setdefault(build_layout(scene), []).append(number)
     for numbers in numbers_by_layout.values():
         run = prepare_run([scenes[number] for number in numbers], accuracy, method, time_step=time_step)
         run.integrate()
@@ -122,7 +130,7 @@ class SceneRun:
     def integrate(self) -> None:
         """Run the scenes, with a kernel that is loaded or compiled first where necessary."""
         self.seconds = np.zeros(len(self.scenes))
-        self.integrate_records(self.data, np.arange(len(self.scenes)), [segments(scene) for scene in self.scenes])
+        self.integrate_records(self.data, np.arange(len(self.scenes)), [build_segments(scene) for scene in self.scenes])
 
     def integrate_records(self, data: Data, places: np.ndarray, grounds: Sequence[assemble.Segments]) -> None:
         """Run the records of the scenes at `places` through their `grounds`, one a scene."""
@@ -133,7 +141,7 @@ class SceneRun:
         from pounding_cli.solver.run import integrate as kernel
 
         arguments = (*data, *assemble.join_segments(grounds))
-        load_kernel(kernel_for(False, data.room is not None), kernel, arguments)
+        load_kernel(find_kernel(False, data.room is not None), kernel, arguments)
         begin = time.perf_counter()
         kernel(*arguments)
         steps = data.run["steps"]
@@ -149,7 +157,7 @@ class SceneRun:
         dt = scene.motion.dt
         parts = max(1, ceil(dt / self.time_step - 1e-9))  # the fewest in a sample that are not longer
         if self.method.name == "central-difference":
-            limit = fixed_step.central_difference_limit(self.layout, elements, scene.links)
+            limit = fixed_step.find_longest_stable_step(self.layout, elements, scene.links)
             if dt / parts > limit:
                 data.run["status"][row] = records.UNSTABLE
                 self.step_limits[number] = limit
@@ -158,7 +166,7 @@ class SceneRun:
         arguments = (
             data.dofs[row], elements, data.terms, data.run[row : row + 1],
             data.series[row], data.columns[row], Room(room.states[row], room.formulas[row]),
-            *ground, elements.view(np.float64), term_matrix(self.layout), parts,
+            *ground, elements.view(np.float64), build_term_matrix(self.layout), parts,
             fixed_step.FIXED.index(self.method.name),
         )  # fmt: skip
         load_kernel(FIXED_STEP_KERNEL, fixed_step.march, arguments)
@@ -176,11 +184,11 @@ class SceneRun:
         with np.errstate(all="ignore"):  # a run that failed may have ended at any numbers
             energies = {}
             if not self.method.takes_step:
-                energies = outcome.balance(self.layout, data, scenes, self.initial_energy)
+                energies = outcome.balance_energies(self.layout, data, scenes, self.initial_energy)
             residuals = energies.get("residual", np.zeros(len(scenes)))
-            ends = outcome.ends_of(data, self.accuracy, residuals)
+            ends = outcome.find_outcomes(data, self.accuracy, residuals)
             rest = find_rest(self, np.array([status == DONE for status, _ in ends], bool))
-            peaks = outcome.peaks_of(self.layout, data, scenes, rest.drift)
+            peaks = outcome.build_peaks(self.layout, data, scenes, rest.drift)
         responses = []
         for number, end in enumerate(ends):
             energy = {name: float(values[number]) for name, values in energies.items()}
@@ -225,12 +233,12 @@ class SceneRun:
             peaks = no_peaks(storeys, len(scene.links), layout.most_lines)
             return Response(peaks, **facts, energy=no_energy, final=final, final_turns=final_turns)
         peaks = peaks.copy()
-        flags = outcome.flags_of(scene, peaks)
+        flags = outcome.list_flags(scene, peaks)
         if status == COLLAPSED:
-            building, storey = outcome.collapse_of(layout, self.data.elements[number])
+            building, storey = outcome.find_collapse(layout, self.data.elements[number])
             time = float(run["time"])
             outcome.put_collapse(peaks, layout, building, storey, time)
-            flags = (outcome.collapse_flag(layout.buildings[building].name, storey, time), *flags)
+            flags = (outcome.build_collapse_flag(layout.buildings[building].name, storey, time), *flags)
         if takes_step and run["trials"]:
             kind = "time steps cut in half, because Newton found no root where a contact force jumps"
             detail = f"{run['trials']} of {run['steps']} steps"
@@ -274,8 +282,8 @@ def prepare_run(
         if reason:
             hint = "write `method: taylor`, which runs every scene"
             raise InputError(Problem(f"method {resolved_method.name} cannot run this scene: {reason}", hint))
-    layout = layout_of(scenes[0])
-    data = records_of(scenes, layout, accuracy, resolved_method, initial, times, bounds, least_steps)
+    layout = build_layout(scenes[0])
+    data = build_records(scenes, layout, accuracy, resolved_method, initial, times, bounds, least_steps)
     initial_energy = 0.0 if initial is None else _initial_energy(layout, data, scenes[0].links)
     step = setting if resolved_method.takes_step else nan
     return SceneRun(scenes, layout, data, resolved_method, accuracy, step, initial_energy)
@@ -290,11 +298,11 @@ def _initial_energy(layout: Layout, data: Data, links: Sequence[Link]) -> float:
     displacements = data.dofs["u0"][0]
     velocities = data.dofs["w"][0, :, 0]
     stiffness = data.elements["p"][0, :, 0]
-    deformations = term_matrix(layout) @ displacements
+    deformations = build_term_matrix(layout) @ displacements
     storey_forces = stiffness[:n] * deformations[:n]
-    stored, _ = outcome.stored_in_storeys(layout, deformations[:n], storey_forces, displacements)
+    stored, _ = outcome.compute_energy_of_storeys(layout, deformations[:n], storey_forces, displacements)
     lines = layout.of_lines
-    in_lines, _ = outcome.stored_in_lines(layout, deformations[lines], stiffness[lines] * deformations[lines])
+    in_lines, _ = outcome.compute_energy_of_lines(layout, deformations[lines], stiffness[lines] * deformations[lines])
     in_links = sum(
         link.law.stored_energy(float(closing), float(k * closing))
         for link, closing, k in zip(links, deformations[layout.of_links], stiffness[layout.of_links], strict=True)

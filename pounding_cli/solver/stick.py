@@ -8,7 +8,7 @@ from __future__ import annotations
 from numba import njit
 
 from pounding_cli.solver.options import CALLED, INVERSE, PART
-from pounding_cli.solver.polynomial import value
+from pounding_cli.solver.polynomial import evaluate
 
 
 @njit(**PART)
@@ -83,4 +83,4 @@ def keep_held_forces(elements, run, series):
     for i in range(run.n):
         el = elements[i]
         if el.holds:
-            el.f1 = value(series[el.row].f, run.order - 1, run.end)
+            el.f1 = evaluate(series[el.row].f, run.order - 1, run.end)

@@ -58,7 +58,7 @@ class WorkPrecision:
     compiling: float = 0.0
 
 
-def errors_of(found: Response, reference: Response) -> dict[str, float]:
+def find_errors(found: Response, reference: Response) -> dict[str, float]:
     """Largest relative errors by QUANTITIES [-]; forces are relative to the scene's largest."""
     worst = dict.fromkeys(QUANTITIES, 0.0)
     fields = {"V": "shear", "mu": "ductility", "acceleration": "acceleration"}
@@ -73,12 +73,12 @@ def errors_of(found: Response, reference: Response) -> dict[str, float]:
     return worst
 
 
-def chosen(names: Sequence[str]) -> tuple[str, ...]:
+def resolve_methods(names: Sequence[str]) -> tuple[str, ...]:
     """Methods by name, all of them when none is named.  Raises `InputError` for a name that is no method."""
     return tuple(dict.fromkeys(get_method(name).name for name in names)) or tuple(METHODS)
 
 
-def _solved(scene: Scene, name: str, setting: float) -> Response:
+def _solve_at(scene: Scene, name: str, setting: float) -> Response:
     """The response by a method at a value of its setting."""
     told = {METHODS[name].setting.key: setting}
     return solve(scene, method=name, **told)  # type: ignore[arg-type]
@@ -111,17 +111,17 @@ def measure(
         able = [name for name in methods if not explain_refusal(METHODS[name], scene)]
         short = dataclasses.replace(scene, motion=scene.motion.cut_to(WARM_UP * scene.motion.dt))
         for name in {*able, REFERENCE[0], SECOND[0]}:
-            _solved(short, name, 1e-4)
+            _solve_at(short, name, 1e-4)
         compiled = time.perf_counter()
-        reference = _solved(scene, *REFERENCE)
-        second = _solved(scene, *SECOND)
+        reference = _solve_at(scene, *REFERENCE)
+        second = _solve_at(scene, *SECOND)
         if reference.status == second.status == DONE:
             impacts = int(np.abs(reference.links.impacts - second.links.impacts).sum())
-            references.append({**place, **errors_of(second, reference), "impacts": impacts})
+            references.append({**place, **find_errors(second, reference), "impacts": impacts})
             together = sum(other["record"] == place["record"] for other, _ in order[number:])
             share = ((budget - spent) / together - (time.perf_counter() - compiled)) / len(methods)
             for name in able:
-                rows = list(_tried(scene, name, reference, share))
+                rows = list(_iter_runs(scene, name, reference, share))
                 runs += [{**place, **row} for row in rows]
                 skipped.update((name, setting) for setting in METHODS[name].setting.trial_values[len(rows) :])
         else:
@@ -134,13 +134,13 @@ def measure(
     return WorkPrecision(runs, references, left_out, spent, compiling)
 
 
-def noise_of_least(seconds: Sequence[float]) -> float:
+def estimate_noise(seconds: Sequence[float]) -> float:
     """Return how well the least of some repeats can be repeated [s]: by how much those of every other one differ; 0 of
     one time, which tells nothing."""
     return abs(min(seconds[::2]) - min(seconds[1::2])) if len(seconds) > 1 else 0.0
 
 
-def _tried(scene: Scene, name: str, reference: Response, allowed: float) -> Iterator[dict[str, Any]]:
+def _iter_runs(scene: Scene, name: str, reference: Response, allowed: float) -> Iterator[dict[str, Any]]:
     """Runs of one method from coarse to fine, one at least, as far as the time allowed [s] reaches."""
     begin = time.perf_counter()
     last = 0.0
@@ -150,16 +150,16 @@ def _tried(scene: Scene, name: str, reference: Response, allowed: float) -> Iter
         longer = before / setting if METHODS[name].takes_step else 1.0
         if last and time.perf_counter() - begin + last * longer > allowed:
             return
-        found = _solved(scene, name, setting)
+        found = _solve_at(scene, name, setting)
         seconds = [found.seconds]
         done = found.status == DONE
         repeated = min(REPEATED, allowed / len(settings))
         while done and len(seconds) < MAX_REPEATS and sum(seconds) + found.seconds < repeated:
-            seconds.append(_solved(scene, name, setting).seconds)
-        errors = errors_of(found, reference) if done else dict.fromkeys(QUANTITIES, np.nan)
+            seconds.append(_solve_at(scene, name, setting).seconds)
+        errors = find_errors(found, reference) if done else dict.fromkeys(QUANTITIES, np.nan)
         yield {
             "method": name, "setting": setting, "status": found.status, "seconds": min(seconds),
-            "seconds_noise": noise_of_least(seconds),
+            "seconds_noise": estimate_noise(seconds),
             "steps": found.steps, "events": found.events, **{f"error_{q}": error for q, error in errors.items()},
             "impacts": int(found.links.impacts.sum()) if done else np.nan,
             "impacts_reference": int(reference.links.impacts.sum()),
