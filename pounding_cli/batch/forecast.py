@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pounding_cli.model.effects import NOTHING_ECCENTRIC, TWIST_OF_FLOORS, DroppedEffect, effects_of
-from pounding_cli.solver.assemble import build_layout
 from pounding_cli.solver.kernels import find_kernel, is_compiled, read_rates
+from pounding_cli.solver.layout import build_layout
 
 if TYPE_CHECKING:
     from pounding_cli.model.scene import Scene

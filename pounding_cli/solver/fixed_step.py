@@ -15,13 +15,13 @@ from numba import njit
 
 from pounding_cli.laws.guards import FASTER, HIGH, LOW, SIGN_CHANGE, SLOWER
 from pounding_cli.model.links import Link
-from pounding_cli.solver.assemble import Layout, build_term_matrix
 from pounding_cli.solver.dispatch import compute_force, compute_line_force, compute_smooth_force, next_branch
-from pounding_cli.solver.events import deform_elements
+from pounding_cli.solver.layout import Layout, build_term_matrix
 from pounding_cli.solver.options import CALLED, KERNEL, PART
 from pounding_cli.solver.records import COLLAPSED, DONE, NO_ROOT, NOT_FINITE
 from pounding_cli.solver.run import begin_run
 from pounding_cli.solver.series import push, push_by_storey
+from pounding_cli.solver.step_end import deform_elements
 
 BRANCHES = 8
 """Branches that an element passes in a step, at most."""

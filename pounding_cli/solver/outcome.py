@@ -13,7 +13,7 @@ from pounding_cli.model.meetings import face_each_other
 from pounding_cli.model.scene import Scene
 from pounding_cli.model.wall import Wall
 from pounding_cli.solver import records
-from pounding_cli.solver.assemble import Layout
+from pounding_cli.solver.layout import Layout
 from pounding_cli.solver.records import Data
 from pounding_cli.solver.response import COLLAPSED, DONE, OUTCOMES, STOREYS, Flag, peaks_type
 

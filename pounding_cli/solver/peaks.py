@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from pounding_cli.solver.events import TOUCH, build_rate, integrate_rate
+from pounding_cli.solver.branches import TOUCH
 from pounding_cli.solver.options import CALLED, INVERSE, PART
 from pounding_cli.solver.polynomial import SLOPE, find_largest
+from pounding_cli.solver.step_end import build_rate, integrate_rate
 
 
 @njit(**PART)

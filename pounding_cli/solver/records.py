@@ -71,7 +71,7 @@ ELEMENT = _build_dtype(
     f8="k c stiffness previous f0 low high slow fast cubic relaxation v0 v1 r0 r1 dv dr offset hold root exact"
     " load collapse peak_v peak_f impulse time work f1 least at along lever coupled_k coupled_c size_v size_r",
     f8_history=f"p:{PARAMETERS} h:{HISTORY}",
-    # kind of law (laws.BEHAVIOURS); guard met; pinned: what is exactly known after it (`events.PINNED`...);
+    # kind of law (laws.BEHAVIOURS); guard met; pinned: what is exactly known after it (`VALUE`...);
     # stuck: events at one instant; row: place among the series; state: place of h[0] among what DOP853 integrates, or 0
     # yields: 1 for a storey whose work is kept; eased: 1 for a contact that DOP853 steps (`events.FROM_REST`)
     # holds: 1 for a slider that sticks; slides: 1 for a slider; drifts: 1 for what counts as a storey
@@ -124,6 +124,18 @@ STATE = _build_dtype(
 
 FORMULA = _build_dtype(f8=f"operations:{MAX_OPERATIONS}x4 registers:{MAX_OPERATIONS + 2}", i8="count result")
 """Operations of a formula of the study (`laws.formula`), the registers they fill, and which of them is the force."""
+
+VALUE = 1
+"""Of `pinned`, which tells what is exactly known of an element after an event: its deformation is that of the guard."""
+
+ITS_FORCE = 2
+"""Of `pinned`: the force is zero."""
+
+RATE = 3
+"""Of `pinned`: the rate is that of the guard."""
+
+RATE_AND_SLOPE = 4
+"""Of `pinned`: the rate neither grows nor falls besides."""
 
 DONE, COLLAPSED, STEP_BOUND, EVENT_BOUND, STALLED, NOT_FINITE, NO_ROOT, UNSTABLE = range(8)
 """How a run ends: run.status."""

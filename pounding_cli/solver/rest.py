@@ -29,8 +29,9 @@ from pounding_cli.laws.law import LinkLaw
 from pounding_cli.laws.slider import FRICTION
 from pounding_cli.model.scene import Scene
 from pounding_cli.solver import records
-from pounding_cli.solver.assemble import NOTHING_KEPT, Layout, build_term_matrix
-from pounding_cli.solver.events import TOUCH
+from pounding_cli.solver.assemble import NOTHING_KEPT
+from pounding_cli.solver.branches import TOUCH
+from pounding_cli.solver.layout import Layout, build_term_matrix
 from pounding_cli.solver.outcome import compute_forces, to_closings
 from pounding_cli.solver.records import Data, Room
 

@@ -6,25 +6,16 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from pounding_cli.solver.branches import change_branches, enter_first_branches, gather_lines, unpin
 from pounding_cli.solver.dispatch import compute_line_force
 from pounding_cli.solver.energy import add_energy
-from pounding_cli.solver.events import (
-    RATE,
-    VALUE,
-    change_branches,
-    deform_elements,
-    end_at_event,
-    enter_first_branches,
-    evaluate_end,
-    find_first_event,
-    gather_lines,
-    unpin,
-)
+from pounding_cli.solver.events import find_first_event
 from pounding_cli.solver.options import CALLED, KERNEL, PART, borrow_records
 from pounding_cli.solver.peaks import raise_peaks
-from pounding_cli.solver.records import DONE, EVENT_BOUND, NOT_FINITE, STALLED, STEP_BOUND, Room
+from pounding_cli.solver.records import DONE, EVENT_BOUND, NOT_FINITE, RATE, STALLED, STEP_BOUND, VALUE, Room
 from pounding_cli.solver.series import expand, find_converged_part, shorten, start_series
 from pounding_cli.solver.smooth import end_smooth_step, take_smooth_step
+from pounding_cli.solver.step_end import deform_elements, end_at_event, evaluate_end
 from pounding_cli.solver.stick import hold_or_release, keep_held_forces
 
 FORGET = 0.9

@@ -15,11 +15,11 @@ import numpy as np
 from numba import njit
 
 from pounding_cli.solver.dispatch import compute_force, history_rate
-from pounding_cli.solver.events import build_rate, deform_elements, integrate_rate
 from pounding_cli.solver.options import CALLED, PART, borrow_records
 from pounding_cli.solver.polynomial import evaluate
 from pounding_cli.solver.records import NOT_FINITE, STEP_BOUND, Room
 from pounding_cli.solver.series import push, push_by_storey, zero_if_rounding
+from pounding_cli.solver.step_end import build_rate, deform_elements, integrate_rate
 
 _TABLES = {
     name: np.array(values)

@@ -20,25 +20,15 @@ from pounding_cli.model.effects import effects_of
 from pounding_cli.model.links import Link
 from pounding_cli.model.parts import divide_scene
 from pounding_cli.model.scene import Scene
-from pounding_cli.solver import assemble, outcome, records
-from pounding_cli.solver.assemble import (
-    MOST_EVENTS,
-    MOST_STEPS,
-    Layout,
-    build_layout,
-    build_records,
-    build_segments,
-    build_term_matrix,
-)
+from pounding_cli.solver import outcome, records
+from pounding_cli.solver.assemble import MOST_EVENTS, MOST_STEPS, InitialState, build_records
 from pounding_cli.solver.kernels import FIXED_STEP_KERNEL, FOLDER, find_kernel, mark_compiled
+from pounding_cli.solver.layout import Layout, build_layout, build_term_matrix
 from pounding_cli.solver.parts import join_responses
 from pounding_cli.solver.records import Data, Room
 from pounding_cli.solver.response import COLLAPSED, DONE, Flag, Response, no_peaks
 from pounding_cli.solver.rest import NO_RESIDUAL_DRIFT, find_rest
-
-InitialState = tuple[Sequence[np.ndarray], Sequence[np.ndarray]]
-"""Floor displacements [m] and velocities [m/s] relative to the ground, one array (n,) a building; of one whose floors
-twist (n,), or (2n,) with the rotations [rad] and their rates [rad/s] behind them."""
+from pounding_cli.solver.segments import Segments, build_segments, join_segments
 
 
 def solve(
@@ -132,7 +122,7 @@ class SceneRun:
         self.seconds = np.zeros(len(self.scenes))
         self.integrate_records(self.data, np.arange(len(self.scenes)), [build_segments(scene) for scene in self.scenes])
 
-    def integrate_records(self, data: Data, places: np.ndarray, grounds: Sequence[assemble.Segments]) -> None:
+    def integrate_records(self, data: Data, places: np.ndarray, grounds: Sequence[Segments]) -> None:
         """Run the records of the scenes at `places` through their `grounds`, one a scene."""
         if self.method.takes_step:
             for row, place in enumerate(places.tolist()):
@@ -140,14 +130,14 @@ class SceneRun:
             return
         from pounding_cli.solver.run import integrate as kernel
 
-        arguments = (*data, *assemble.join_segments(grounds))
+        arguments = (*data, *join_segments(grounds))
         load_kernel(find_kernel(False, data.room is not None), kernel, arguments)
         begin = time.perf_counter()
         kernel(*arguments)
         steps = data.run["steps"]
         self.seconds[places] += (time.perf_counter() - begin) * steps / max(steps.sum(), 1)
 
-    def _march(self, data: Data, row: int, number: int, ground: assemble.Segments) -> None:
+    def _march(self, data: Data, row: int, number: int, ground: Segments) -> None:
         """Run one of the scenes by a method of fixed time steps; not where the step is too long."""
         from pounding_cli.solver import fixed_step
 

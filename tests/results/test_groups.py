@@ -23,7 +23,7 @@ from pounding_cli.batch.progress import Progress
 from pounding_cli.model.effects import DroppedEffect, effects_of, summarize_effects
 from pounding_cli.model.links import Link, link_places
 from pounding_cli.solver import solve as solver
-from pounding_cli.solver.assemble import build_layout
+from pounding_cli.solver.layout import build_layout
 from pounding_cli.study import make_plan, study_of
 
 STIFF, SOFT = (pound.building(name, storeys=n, period=t) for name, n, t in (("stiff", 2, 0.2), ("soft", 3, 0.5)))
