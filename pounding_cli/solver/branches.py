@@ -29,7 +29,7 @@ and the closing before which they are not in contact where they part: what is le
 
 @njit(**CALLED)
 def enter_first_branches(elements, run, series):
-    """The branches of all elements at rest."""
+    """Put all elements on their branches at rest."""
     for e in range(run.m):
         elements[e].guard = START
         next_branch(elements[e], elements[e].guard)
@@ -95,14 +95,14 @@ def _pin(el, end):
 
 @njit(**CALLED)
 def unpin(elements, run):
-    """Time goes on: nothing is exactly known any more."""
+    """Forget what was exactly known of elements: time goes on."""
     for e in range(run.m):
         elements[e].pinned = elements[e].stuck = 0
 
 
 @njit(**CALLED)
 def list_active(elements, run, series):
-    """List the links whose force is not zero, and see whether a step has to be taken by DOP853."""
+    """List the links whose force is not zero, and note whether a step has to be taken by DOP853."""
     run.active = 0
     run.smooth = run.always_smooth
     for e in range(run.m):
@@ -117,8 +117,10 @@ def list_active(elements, run, series):
 
 @njit(**CALLED)
 def gather_lines(elements, run):
-    """Add the stiffnesses, dashpots and offsets of the frame lines on their present branches up in their storeys; lines
-    whose force is smooth act by themselves."""
+    """Add stiffnesses, dashpots and offsets of the frame lines on their present branches up in their storeys.
+
+    Lines whose force is smooth act by themselves.
+    """
     for i in range(run.n):
         el = elements[i]
         if el.twists:

@@ -45,7 +45,11 @@ def add_energy(dofs, elements, run, series):
 
 @njit(**PART)
 def _evaluate_at_four(p, n, end, g):
-    """The polynomial p of degree n at four places from number g on, side by side (Horner)."""
+    """Return the polynomial p of degree n at four places of the quadrature, side by side (Horner).
+
+    g : number of the first of these places
+    end : of the step, from 0 to 1
+    """
     s0 = PLACES[g] * end
     s1 = PLACES[g + 1] * end
     s2 = PLACES[g + 2] * end
@@ -61,7 +65,7 @@ def _evaluate_at_four(p, n, end, g):
 
 @njit(**PART)
 def _add_work_on_storeys(dofs, elements, run):
-    """Energy that the ground puts in, and what dashpots of storeys and mass-proportional damping take [J]."""
+    """Add the work of the ground, and what dashpots of storeys and mass-proportional damping take [J]."""
     duration = run.h * run.end
     g1 = run.g1 * run.end
     drag = dashpots = pushed = 0.0
@@ -107,7 +111,7 @@ def _average_rate_product(dofs, elements, i):
 
 @njit(**PART)
 def _add_work_on_series(el, run, row):
-    """Work done in the step on an element whose force has a series [J]."""
+    """Add the work done in the step on an element whose force has a series [J]."""
     if not el.acts:
         return
     n = run.order - 1
@@ -121,7 +125,7 @@ def _add_work_on_series(el, run, row):
 
 @njit(**PART)
 def _add_work_on_line(el, run, row):
-    """Work done in the step on a frame line whose force is smooth, and what its dashpot takes [J]."""
+    """Add the work done in the step on a frame line whose force is smooth, and what its dashpot takes [J]."""
     squares = 0.0
     for g in range(0, PLACES_INSIDE, 4):
         v0, v1, v2, v3 = _evaluate_at_four(row.rate, run.order - 1, run.end, g)

@@ -69,20 +69,22 @@ BESIDE_FIXED_STEPS = 1e-9
 
 
 def refine_accuracy(accuracy: float) -> float:
-    """Accuracy of the run that one at `accuracy` is judged by [-]."""
+    """Return the accuracy of the run by which one at `accuracy` is judged [-]."""
     return max(accuracy * TIGHTER, FINEST)
 
 
 @functools.lru_cache(maxsize=16)
 def nudge_motion(motion: Motion, nudge: float = NUDGE) -> Motion:
-    """The motion, stronger by `nudge` [-] at its end and by less before."""
+    """Return the motion, stronger by `nudge` [-] at its end and by less before."""
     growth = 1 + nudge * np.linspace(0.0, 1.0, motion.acceleration.size)
     return Motion(motion.name, motion.dt, motion.acceleration * growth, motion.source)
 
 
 def find_change(first: Response, second: Response) -> float:
-    """Largest relative change of the peak shear or drift of any storey or frame line between two responses of the same
-    buildings [-], as `difference`."""
+    """Return the largest relative change of the peak shear or drift of any storey or frame line [-].
+
+    It is between two responses of the same buildings, and as of `find_difference`.
+    """
     a = first.peaks
     b = second.peaks
     sizes = find_scene_sizes(first, second)
@@ -92,15 +94,15 @@ def find_change(first: Response, second: Response) -> float:
 
 
 def find_difference(first: Response, second: Response) -> float:
-    """Largest relative difference of any number of two responses of the same scene [-]; nan when either run did not
-    end, inf where only one collapses, or another storey does.
+    """Return the largest relative difference of any number of two responses of the same scene [-].
+
+    It is nan when either run did not end, and inf where only one collapses, or another storey does.
 
     Shears and drifts of storeys, lines and edges (and with them ductilities), accelerations, sways, rockings and twists
-    are relative to themselves,
-    displacements to the floor's largest either way, drifts at the end to the storey's largest, and the forces,
-    closings, impulses and contact times of links to the largest of their kind in the scene. A number below 1e-8 of the
-    scene's size, `scene_sizes`, counts as zero, and a link that presses by rounding as one that does not. Counts are
-    left out, and so are energies, whose error is the ledger's residual.
+    are relative to themselves, displacements to the floor's largest either way, drifts at the end to the storey's
+    largest, and the forces, closings, impulses and contact times of links to the largest of their kind in the scene. A
+    number below 1e-8 of the scene's size, `find_scene_sizes`, counts as zero, and a link that presses by rounding as
+    one that does not. Counts are left out, and so are energies, whose error is the ledger's residual.
     """
     a = first.peaks
     b = second.peaks
@@ -131,8 +133,11 @@ ARM = 1.0
 
 
 def find_scene_sizes(first: Response, second: Response) -> dict[str, float]:
-    """Return the size of the scene of two responses for each of its numbers, in the number's unit: the largest length,
-    force, acceleration and rotation in either, and the impulse of the largest force over the longest contact."""
+    """Return the size of the scene of two responses for each of its numbers, in the number's unit.
+
+    It is the largest length, force, acceleration and rotation in either, and the impulse of the largest force over the
+    longest contact.
+    """
     both = first.peaks, second.peaks
     has_lines = count_lines(first.peaks) > 0
     lengths = (*LENGTHS, *LENGTHS_OF_LINES) if has_lines else LENGTHS
@@ -168,8 +173,10 @@ def _build_triple(first: np.ndarray, second: np.ndarray, scale: np.ndarray, size
 
 
 def _find_largest_difference(first: Response, second: Response, triples: Iterable[Triple]) -> float:
-    """Largest |x - y| over the largest of |x|, |y| and |scale|, of triples of these; 0 where all three are. Walls that
-    move as the ground does have no numbers."""
+    """Return the largest |x - y| over the largest of |x|, |y| and |scale|, of triples of these; 0 where all are [-].
+
+    Walls that move as the ground does have no numbers.
+    """
     if not (first.has_result and second.has_result):
         return float("nan")
     fallen, other_fallen = (np.nan_to_num(each.peaks["collapse_storey"]) for each in (first, second))
@@ -181,8 +188,9 @@ def _find_largest_difference(first: Response, second: Response, triples: Iterabl
 
 
 def assess(scenes: Sequence[Scene], responses: Sequence[Response], accuracy: float) -> list[Response]:
-    """Responses of one method with their estimated errors [-], their sensitivities [-] and flags that say so where
-    either is too large.
+    """Return responses with their estimated errors and sensitivities, and flags where either is too large.
+
+    All are of one method.
 
     One run tells both, at an accuracy a thousand times finer and with a motion that grows by a hundredth of the
     accuracy on its way: the difference is what the error is at most, and over the nudge what the sensitivity is at
@@ -190,8 +198,8 @@ def assess(scenes: Sequence[Scene], responses: Sequence[Response], accuracy: flo
     fixed steps, each is told by a run of its own:
 
     error_estimate : difference against a run at an accuracy a thousand times finer; of a fixed-step method, against
-        Taylor
-    sensitivity : change when the motion grows by 1e-6 on its way, over 1e-6; at most about 1 for a linear scene
+        Taylor [-]
+    sensitivity : change when the motion grows by 1e-6 on its way, over 1e-6; at most about 1 for a linear scene [-]
 
     A finer run replaces a response that misses the accuracy asked by its own estimate, and is then assessed by a still
     finer one, until the estimate meets the accuracy or double precision is not enough. In that case, or if rounding may
@@ -218,11 +226,12 @@ def assess(scenes: Sequence[Scene], responses: Sequence[Response], accuracy: flo
 
 
 def _nudge_scene(scene: Scene, nudge: float) -> Scene:
+    """Return the scene with its motion nudged."""
     return dataclasses.replace(scene, motion=nudge_motion(scene.motion, nudge))
 
 
 def _assess_closely(scene: Scene, response: Response, accuracy: float) -> Response:
-    """A response that is assessed by runs of its own."""
+    """Return a response that is assessed by runs of its own."""
     fixed = METHODS[response.method].takes_step
     method, tight = ("taylor", BESIDE_FIXED_STEPS) if fixed else (response.method, refine_accuracy(accuracy))
     second, nudged = solver.solve_all([scene, _nudge_scene(scene, NUDGE)], tight, method)

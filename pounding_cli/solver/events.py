@@ -41,7 +41,7 @@ contact: only a series tells the sign of what begins by a high power of time."""
 
 @njit(**CALLED)
 def find_first_event(dofs, elements, terms, run, series):
-    """Whether an element leaves its branch in [0, 1]; where the first does goes to r.end."""
+    """Return whether an element leaves its branch in [0, 1]; the place where the first does goes to run.end."""
     found = False
     for e in range(run.m):
         el = elements[e]
@@ -71,7 +71,7 @@ def find_first_event(dofs, elements, terms, run, series):
 
 @njit(**PART)
 def _cannot_leave(el):
-    """Whether bounds show that an element stays on its branch during the step."""
+    """Return whether bounds show that an element stays on its branch during the step."""
     is_inside = min(el.v0, el.v1) - el.dv > el.low and max(el.v0, el.v1) + el.dv < el.high
     keeps_way = min(el.r0, el.r1) - el.dr > el.slow and max(el.r0, el.r1) + el.dr < el.fast
     stands = max(abs(el.v0), abs(el.v1)) + el.dv <= el.collapse
@@ -80,7 +80,7 @@ def _cannot_leave(el):
 
 @njit(**PART)
 def _can_meet(el, guard, is_link):
-    """Whether an element has this guard, and bounds do not show that it stays away from it."""
+    """Return whether an element has this guard, and bounds do not show that it stays away from it."""
     if guard == LOW or guard == HIGH:
         at, side = (el.low, 1.0) if guard == LOW else (el.high, -1.0)
         first = side * (el.v0 - at)
@@ -104,8 +104,10 @@ def _can_meet(el, guard, is_link):
 
 @njit(**PART)
 def _is_moved_by_rounding(dofs, terms, el, run):
-    """Whether a link, whose rate stands in r.p, moves in this step by no more than the last digits of its floors: such
-    floors would strike each other without end."""
+    """Return whether a link, whose rate stands in run.p, moves in this step by the last digits of its floors alone.
+
+    Such floors would strike each other without end.
+    """
     reach, fastest = _find_reach(dofs, terms, el)
     least_v = LAST_DIGITS * reach
     least_rate = LAST_DIGITS * fastest
@@ -121,8 +123,10 @@ def _is_moved_by_rounding(dofs, terms, el, run):
 
 @njit(**PART)
 def _is_at_rest_but_for_rounding(dofs, terms, el, run):
-    """Whether the drift of a storey, whose rate stands in r.p, changes in this step by no more than the last digits of
-    its floors: a building that has come to rest would turn back without end."""
+    """Return whether a storey, whose rate of drift stands in run.p, moves by the last digits of its floors alone.
+
+    A building that has come to rest would turn back without end.
+    """
     reach, fastest = _find_reach(dofs, terms, el)
     size = 0.0
     for k in range(run.order + 1):
@@ -132,8 +136,10 @@ def _is_at_rest_but_for_rounding(dofs, terms, el, run):
 
 @njit(**PART)
 def _find_reach(dofs, terms, el):
-    """Return the largest displacement [m] and speed [m/s] that the degrees of freedom of an element have had: of the
-    larger of its two ends, and of its further terms."""
+    """Return the largest displacement [m] and speed [m/s] that the degrees of freedom of an element have had.
+
+    They are those of the larger of its two ends, and of its further terms.
+    """
     left = dofs[el.left]
     right = dofs[el.right]
     reach, fastest = find_reach_of_terms(dofs, terms, el)
@@ -144,7 +150,7 @@ def _find_reach(dofs, terms, el):
 
 @njit(**CALLED)
 def _find_meeting(el, run, row, guard, end):
-    """Where in [0, end] an element, whose rate stands in r.p, first meets a guard."""
+    """Return where in [0, end] an element, whose rate stands in run.p, first meets a guard; NEVER where it does not."""
     n = _build_guard(el, run, row, guard)
     at = find_first_crossing(run, n, end)
     often = el.stuck >= MOST_AT_INSTANT
@@ -155,7 +161,7 @@ def _find_meeting(el, run, row, guard, end):
 
 @njit(**PART)
 def _build_guard(el, run, row, guard):
-    """From the rate of an element in r.p what is positive until it meets the guard; returns its degree."""
+    """Turn the rate of an element in run.p into what is positive until it meets the guard; return the degree."""
     p = run.p
     n = run.order
     if guard == LOW:

@@ -70,8 +70,11 @@ def _settle(el, formula):
 
 @njit(**CALLED)
 def add_forces(dofs, elements, terms, run, room, ground):
-    """Deform all elements by the displacements u1 and velocities v1 of a step's end, put them on the branches that they
-    have reached, and add their forces to `push` of the degrees of freedom: a = -push / mass."""
+    """Add the forces of all elements at the end of a step to `push` of the degrees of freedom: a = -push / mass.
+
+    The displacements u1 and velocities v1 deform the elements first, and put them on the branches that they have
+    reached.
+    """
     deform_elements(dofs, elements, terms, run)
     for i in range(run.n):
         dof = dofs[i]
@@ -88,7 +91,7 @@ def add_forces(dofs, elements, terms, run, room, ground):
 
 @njit(**CALLED)
 def _end_step(dofs, elements, terms, run, columns, room, h):
-    """Count what has come of a step: largest values, and forces of links and struck columns."""
+    """Enter a step into the largest values, and into the forces of links and struck columns."""
     run.steps += 1
     for i in range(run.n):
         dof = dofs[i]
@@ -132,8 +135,13 @@ def _end_step(dofs, elements, terms, run, columns, room, h):
 
 @njit(**PART)
 def _step_by_central_difference(dofs, elements, terms, run, room, half, h, ground, first):
-    """u' half a step later from u'' now, u a step later; damping forces by the velocity extrapolated from two half
-    steps, so that nothing is solved for."""
+    """Take a step by central difference; return True, since it always finds an end.
+
+    u' half a step later follows from u'' now, and u a step later from that. Damping forces take the velocity
+    extrapolated from two half steps, so that nothing is solved for.
+
+    half : velocities half a step before, and then half a step later
+    """
     for i in range(run.n):
         dof = dofs[i]
         acceleration = dof.a0 - dof.loaded * run.g0
@@ -150,7 +158,7 @@ def _step_by_central_difference(dofs, elements, terms, run, room, half, h, groun
 
 @njit(**PART)
 def _find_slopes(el, formula):
-    """dF/dv [N/m] and dF/dv' [N s/m] of an element at the end of the step."""
+    """Return dF/dv [N/m] and dF/dv' [N s/m] of an element at the end of the step."""
     k = el.k - el.load
     c = el.c
     if el.cubic != 0.0:
@@ -168,7 +176,10 @@ def _find_slopes(el, formula):
 
 @njit(**CALLED)
 def _build_matrix(dofs, elements, run, room, h, shape):
-    """M + h/2 C + h^2/4 K at the end of the step; `shape`: the deformation of every element from the displacements."""
+    """Return M + h/2 C + h^2/4 K at the end of the step [kg], shape (n, n).
+
+    shape : of the deformation of every element from the displacements, as of `build_term_matrix`
+    """
     size = np.zeros(run.m)
     for e in range(run.m):
         el = elements[e]
@@ -183,7 +194,11 @@ def _build_matrix(dofs, elements, run, room, h, shape):
 
 @njit(**PART)
 def _step_by_newmark(dofs, elements, terms, run, room, memory, shape, h, ground):
-    """The average acceleration, by Newton's method; whether it found a root."""
+    """Take a step of average acceleration by Newton's method; return whether it found a root.
+
+    memory : the elements as plain numbers, to begin every try from the branches of the step's start
+    shape : as of `_build_matrix`
+    """
     n = run.n
     missing = np.zeros(run.n)
     kept = memory.copy()
@@ -267,10 +282,10 @@ def march(dofs, elements, terms, runs, series, columns, room, ground, slopes, me
 
 
 def find_longest_stable_step(layout: Layout, elements: np.ndarray, links: Sequence[Link]) -> float:
-    """Largest stable time step [s] of central difference with extrapolated damping forces, with every link closed where
-    its law is stiffest; modal coupling by damping is left out.
+    """Return the longest stable time step of central difference with extrapolated damping forces [s].
 
-    2 (sqrt(1 + 4 xi^2) - 2 xi) / omega in every mode; 2 / omega without damping. With u_n and the half-step velocity
+    Every link counts as closed where its law is stiffest; modal coupling by damping is left out. In every mode the
+    limit is 2 (sqrt(1 + 4 xi^2) - 2 xi) / omega; 2 / omega without damping. With u_n and the half-step velocity
     alternating in sign (amplification -1) the scheme gives (h omega)^2 + 8 xi h omega = 4.
     """
     rows = build_term_matrix(layout)

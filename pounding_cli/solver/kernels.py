@@ -66,6 +66,7 @@ def mark_compiled(kernel: str) -> None:
 
 
 def _locate_mark(kernel: str) -> Path:
+    """Return the file that says that a kernel is compiled."""
     return FOLDER / f"{kernel}.compiled"
 
 

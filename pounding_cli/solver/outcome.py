@@ -43,7 +43,10 @@ OPEN_BALANCE: Outcome = (
 
 
 def find_outcomes(data: Data, accuracy: float, residuals: np.ndarray) -> list[Outcome]:
-    """How runs ended: none with numbers that are not finite, or an energy balance that does not close, is done."""
+    """Return how runs ended: none is done with numbers that are not finite, or an energy balance that does not close.
+
+    residuals : of the energy balances [-], shape (runs,)
+    """
     sums = [data.dofs[name].sum(axis=1) for name in ("u_max", "u_min", "a_max", "u0")]
     sums += [data.elements[name].sum(axis=1) for name in ("peak_v", "peak_f", "impulse", "time")]
     are_finite = np.isfinite(np.array(sums)).all(axis=0)
@@ -60,7 +63,10 @@ def find_outcomes(data: Data, accuracy: float, residuals: np.ndarray) -> list[Ou
 
 
 def build_peaks(layout: Layout, data: Data, scenes: Sequence[Scene], drift_at_rest: np.ndarray) -> np.ndarray:
-    """The peaks of scenes, records of `peaks_type`, shape (scenes,); `drift_at_rest` as of `rest.Rest`."""
+    """Return the peaks of scenes, records of `peaks_type`, shape (scenes,).
+
+    drift_at_rest : as of `rest.Rest`
+    """
     storeys = [building.storeys for building in layout.buildings]
     lines = layout.most_lines
     peaks = np.full(len(scenes), np.nan, peaks_type(len(storeys), max(storeys), len(scenes[0].links), lines))
@@ -87,8 +93,10 @@ def build_peaks(layout: Layout, data: Data, scenes: Sequence[Scene], drift_at_re
 
 
 def to_closings(layout: Layout, deformation: np.ndarray, offset: np.ndarray) -> np.ndarray:
-    """The closings u_left - u_right of the ends of links [m] from the deformations and offsets of their elements [m],
-    shape (..., links)."""
+    """Return the closings u_left - u_right of the ends of links [m].
+
+    deformation, offset : of their elements [m], shape (..., links)
+    """
     return (deformation + offset) / layout.cosines
 
 
@@ -151,8 +159,10 @@ def _put_lines(peaks: np.ndarray, layout: Layout, data: Data, drift_at_rest: np.
 def compute_energy_of_lines(
     layout: Layout, deformation: np.ndarray, force: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(energy in frame lines [J], of them in those that yield) at drifts [m] and forces without dashpots [N], shape
-    (..., lines) each."""
+    """Return the energy in frame lines, and of them in those that yield [J].
+
+    deformation, force : drifts [m] and forces without dashpots [N], shape (..., lines)
+    """
     elements = layout.elements[layout.of_lines]
     yields = elements["yields"] > 0
     stored = np.where(yields, 0.0, 0.5 * elements["p"][:, 0] * deformation**2)
@@ -168,9 +178,12 @@ def compute_energy_of_lines(
 def compute_energy_of_storeys(
     layout: Layout, deformation: np.ndarray, force: np.ndarray, u: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(energy in storeys and foundations [J], of them in storeys that yield) at deformations [m], forces without
-    dashpots [N] and displacements [m], shape (..., n) each. What the weights have lost in height by P-Delta counts as
-    less than nothing."""
+    """Return the energy in storeys and foundations, and of them in storeys that yield [J].
+
+    Potential energy that the weights have lost by P-Delta counts as negative.
+
+    deformation, force, u : deformations [m], forces without dashpots [N] and displacements [m], shape (..., n)
+    """
     elements = layout.elements[: layout.number]
     yields = elements["yields"] > 0
     stored = np.where(yields, 0.0, 0.5 * elements["p"][:, 0] * deformation**2)
@@ -189,8 +202,10 @@ def compute_energy_of_storeys(
 
 
 def balance_energies(layout: Layout, data: Data, scenes: Sequence[Scene], before: float = 0.0) -> dict[str, np.ndarray]:
-    """The energy balances of scenes [J]; `residual` is what is missing over the largest entry [-], or over what storeys
-    held at their peaks if that is more: a run may have given back what it took in.
+    """Return the energy balances of scenes by entry [J].
+
+    `residual` is what is missing over the largest entry [-], or over what storeys held at their peaks if that is more:
+    a run may have given back what it took in.
 
     input : work of the ground, plus what the scene held at the start (`before`)
     kinetic, stored, links_stored : held at the end
@@ -231,7 +246,7 @@ def _compute_energy_at_peaks(storeys: np.ndarray) -> np.ndarray:
 
 
 def compute_forces(storeys: np.ndarray) -> np.ndarray:
-    """Forces of storeys at the end of a run, without dashpots [N]."""
+    """Return the forces of storeys at the end of a run, without dashpots [N]."""
     p = storeys["p"]
     z = storeys["h"][..., 0]
     smooth = (1.0 - p[..., 2]) * p[..., 0] * p[..., 1] * z  # of Bouc-Wen, the one law of storeys that is smooth
@@ -239,7 +254,7 @@ def compute_forces(storeys: np.ndarray) -> np.ndarray:
 
 
 def _compute_energy_of_links(scenes: Sequence[Scene], elements: np.ndarray) -> np.ndarray:
-    """Energy in the links of scenes at the end of their runs [J]; a link that is open holds none."""
+    """Return the energy in the links of scenes at the end of their runs [J]; a link that is open holds none."""
     total = np.zeros(len(scenes))
     for number, place in np.argwhere(elements["closed"]).tolist():
         e = elements[number, place]
@@ -250,8 +265,10 @@ def _compute_energy_of_links(scenes: Sequence[Scene], elements: np.ndarray) -> n
 
 
 def find_collapse(layout: Layout, elements: np.ndarray) -> tuple[int, int]:
-    """(building from 0, storey from 1) of the storey that has drifted furthest of what it stands, at one of its lines
-    where floors twist."""
+    """Return building from 0 and storey from 1 of the storey that has drifted furthest over its collapse drift.
+
+    Where floors twist the drift is that of one of its lines.
+    """
     shares = elements["peak_v"] / elements["collapse"]
     parts = [shares[span].copy() for span in layout.floors]
     for (b, storey, _), share in zip(layout.lines, shares[layout.of_lines].tolist(), strict=True):
@@ -276,12 +293,13 @@ def build_collapse_flag(building: str, storey: int, time: float) -> Flag:
 
 
 def list_flags(scene: Scene, peaks: np.void) -> tuple[Flag, ...]:
-    """One flag for each base that moved further than its isolators can, and for each link compressed beyond its
-    thickness or its gap (paper, after eqs 9 and 10); its severity is how far beyond [m].
+    """Return a flag for each base and each link that moved further than it can, and for floors that pass through.
 
-    Where another link lets the floors strike, nothing is left out. The ends of a joint that are not as high as each
-    other have no gap between them: there it is enough that links let these neighbours strike where they face each
-    other."""
+    A base moves further than its isolators can, and a link is compressed beyond its thickness or its gap (paper, after
+    eqs 9 and 10); the severity of the flag is how far beyond [m]. Where another link lets the floors strike, nothing is
+    left out. The ends of a joint that are not as high as each other have no gap between them: there it is enough that
+    links let these neighbours strike where they face each other.
+    """
     flags = list[Flag]()
     for building, sway in zip(scene.buildings, peaks["sway"].tolist(), strict=True):
         isolation = None if building.foundation is None else building.foundation.isolation
@@ -337,6 +355,6 @@ def list_passing_floors(scene: Scene, peaks: np.void) -> list[Flag]:
 
 
 def is_meaningless(flag: str) -> bool:
-    """Whether a flag takes the meaning from all numbers of its scene."""
+    """Return whether a flag takes the meaning from all numbers of its scene."""
     laws: tuple[type[LinkLaw], ...] = (*link_laws().values(), WrittenJoint)
     return flag.startswith(tuple(law.beyond_gap for law in laws if law.invalidates))

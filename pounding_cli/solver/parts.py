@@ -92,6 +92,7 @@ def _build_empty_peaks(scene: Scene) -> np.void:
 
 
 def _join_peaks(scene: Scene, parts: Sequence[PartScene], responses: Sequence[Response]) -> np.void:
+    """Return the peaks of a scene from those of its parts."""
     peaks = _build_empty_peaks(scene)
     for each, response in zip(parts, responses, strict=True):
         places = each.part.places
@@ -153,6 +154,7 @@ def list_other_flags(placed: Iterable[str], response: Response) -> list[str]:
 
 
 def _find_kind(flag: str) -> str:
+    """Return the kind of a flag, up to its colon."""
     return flag.partition(": ")[0]
 
 

@@ -13,14 +13,16 @@ from pounding_cli.solver.step_end import build_rate, integrate_rate
 
 @njit(**PART)
 def _can_turn(first, last, deviation):
-    """Whether a quantity may have its largest value inside the step: its slope differs from the mean by four chord
-    deviations at most."""
+    """Return whether a quantity may have its largest value inside the step.
+
+    Its slope differs from the mean by four chord deviations at most.
+    """
     return not abs(last - first) > 4.0 * deviation
 
 
 @njit(**PART)
 def _is_of_one_sign(first, last, deviation):
-    """Whether a rate keeps its sign in the step: then what it belongs to has no peak inside."""
+    """Return whether a rate keeps its sign in the step: then what it belongs to has no peak inside."""
     return first * last > 0.0 and min(abs(first), abs(last)) > deviation
 
 
@@ -28,69 +30,88 @@ def _is_of_one_sign(first, last, deviation):
 def raise_peaks(dofs, elements, terms, run, series, columns):
     """Raise every largest value that this step, up to s = run.end, exceeds."""
     for i in range(run.n):
-        dof = dofs[i]
-        if max(dof.u0, dof.u1) + dof.du > dof.u_max or min(dof.u0, dof.u1) - dof.du < dof.u_min:
-            dof.u_max = max(dof.u_max, dof.u0, dof.u1)
-            dof.u_min = min(dof.u_min, dof.u0, dof.u1)
-            if not _is_of_one_sign(dof.w[0], dof.v1, dof.dv):
-                if max(dof.u0, dof.u1) + dof.du > dof.u_max:
-                    dof.u_max = _find_displacement(dof, run, 1.0, dof.u_max)
-                if min(dof.u0, dof.u1) - dof.du < dof.u_min:
-                    dof.u_min = -_find_displacement(dof, run, -1.0, -dof.u_min)
-        if dof.felt == 0.0:
-            continue
-        largest = max(abs(dof.a0), abs(dof.a1))
-        if largest + dof.da > dof.a_max:
-            dof.a_max = max(dof.a_max, largest)
-            if _can_turn(dof.a0, dof.a1, dof.da):
-                _raise_acceleration(dof, run)
+        _raise_motion(dofs[i], run)
     for e in range(run.m):
-        el = elements[e]
-        storey = el.drifts != 0
-        if _raise_to_ends(el, storey):
-            build_rate(dofs, elements, terms, run, e)
-            _raise_deformation(el, run, storey)
-        if not storey and el.least > -TOUCH and el.v0 <= 0.0:  # how far floors in touch part, inside the step too
-            build_rate(dofs, elements, terms, run, e)
-            el.least = -find_largest(run, integrate_rate(run, -1.0, -el.v0), run.end, -el.least, storey)
-        if el.acts and (el.smooth if storey else el.closed):
-            _raise_force(el, run, series[el.row])
+        _raise_element(dofs, elements, terms, run, series, e)
     for c in range(run.columns):
         column = columns[c]
-        el = elements[column.storey]
-        if not el.twists:
-            _raise_column_shear(dofs, elements, terms, run, series, column)
-            continue
-        mate = elements[el.mate]
-        if column.is_sum and not run.smooth:
-            one = el.k
-            other = el.coupled_k
-            constant = el.f0
-            column.peak, rises = _raise_pair_to_ends(el, mate, one, other, constant, column.peak)
-            if rises:
-                column.peak = _find_pair_peak(dofs, elements, terms, run, el, one, other, constant, column.peak)
+        if elements[column.storey].twists:
+            _raise_twisting(dofs, elements, terms, run, series, column)
         else:
-            _raise_storey_shear(dofs, elements, terms, run, series, column)
-        if column.is_sum:
-            column.peak_low, rises = _raise_pair_to_ends(el, mate, 1.0, column.low, 0.0, column.peak_low)
-            if rises:
-                column.peak_low = _find_pair_peak(dofs, elements, terms, run, el, 1.0, column.low, 0.0, column.peak_low)
-            column.peak_high, rises = _raise_pair_to_ends(el, mate, 1.0, column.high, 0.0, column.peak_high)
-            if rises:
-                column.peak_high = _find_pair_peak(
-                    dofs, elements, terms, run, el, 1.0, column.high, 0.0, column.peak_high
-                )
+            _raise_column_shear(dofs, elements, terms, run, series, column)
 
 
 @njit(**PART)
-def _raise_to_ends(el, storey):
-    """Raise the largest |v| and |k v + f0| (without the dashpot) of a storey, or the largest v of a link, to the ends
-    of the step; whether it may rise above them inside."""
-    first, last = (abs(el.v0), abs(el.v1)) if storey else (el.v0, el.v1)
+def _raise_motion(dof, run):
+    """Raise the largest displacements and the largest |total acceleration| of a degree of freedom."""
+    if max(dof.u0, dof.u1) + dof.du > dof.u_max or min(dof.u0, dof.u1) - dof.du < dof.u_min:
+        dof.u_max = max(dof.u_max, dof.u0, dof.u1)
+        dof.u_min = min(dof.u_min, dof.u0, dof.u1)
+        if not _is_of_one_sign(dof.w[0], dof.v1, dof.dv):
+            if max(dof.u0, dof.u1) + dof.du > dof.u_max:
+                dof.u_max = _find_displacement(dof, run, 1.0, dof.u_max)
+            if min(dof.u0, dof.u1) - dof.du < dof.u_min:
+                dof.u_min = -_find_displacement(dof, run, -1.0, -dof.u_min)
+    if dof.felt == 0.0:
+        return
+    largest = max(abs(dof.a0), abs(dof.a1))
+    if largest + dof.da > dof.a_max:
+        dof.a_max = max(dof.a_max, largest)
+        if _can_turn(dof.a0, dof.a1, dof.da):
+            _raise_acceleration(dof, run)
+
+
+@njit(**PART)
+def _raise_element(dofs, elements, terms, run, series, e):
+    """Raise the largest deformations and the largest |force| of element e."""
+    el = elements[e]
+    is_storey = el.drifts != 0
+    if _raise_to_ends(el, is_storey):
+        build_rate(dofs, elements, terms, run, e)
+        _raise_deformation(el, run, is_storey)
+    if not is_storey and el.least > -TOUCH and el.v0 <= 0.0:  # how far floors in touch part, inside the step too
+        build_rate(dofs, elements, terms, run, e)
+        el.least = -find_largest(run, integrate_rate(run, -1.0, -el.v0), run.end, -el.least, is_storey)
+    if el.acts and (el.smooth if is_storey else el.closed):
+        _raise_force(el, run, series[el.row])
+
+
+@njit(**PART)
+def _raise_twisting(dofs, elements, terms, run, series, column):
+    """Raise the largest |shear| of a storey whose floors twist, or of its struck columns, and its edge drifts."""
+    el = elements[column.storey]
+    mate = elements[el.mate]
+    if column.is_sum and not run.smooth:
+        one = el.k
+        other = el.coupled_k
+        constant = el.f0
+        column.peak, rises = _raise_pair_to_ends(el, mate, one, other, constant, column.peak)
+        if rises:
+            column.peak = _find_pair_peak(dofs, elements, terms, run, el, one, other, constant, column.peak)
+    else:
+        _raise_storey_shear(dofs, elements, terms, run, series, column)
+    if column.is_sum:
+        low = column.low
+        column.peak_low, rises = _raise_pair_to_ends(el, mate, 1.0, low, 0.0, column.peak_low)
+        if rises:
+            column.peak_low = _find_pair_peak(dofs, elements, terms, run, el, 1.0, low, 0.0, column.peak_low)
+        high = column.high
+        column.peak_high, rises = _raise_pair_to_ends(el, mate, 1.0, high, 0.0, column.peak_high)
+        if rises:
+            column.peak_high = _find_pair_peak(dofs, elements, terms, run, el, 1.0, high, 0.0, column.peak_high)
+
+
+@njit(**PART)
+def _raise_to_ends(el, is_storey):
+    """Raise the largest values of an element to the ends of the step; return whether it may rise above them inside.
+
+    They are |v| and |k v + f0| (without the dashpot) of a storey, and v of a link.
+    """
+    first, last = (abs(el.v0), abs(el.v1)) if is_storey else (el.v0, el.v1)
     rises = max(first, last) + el.dv > el.peak_v
     el.peak_v = max(el.peak_v, first, last)
     el.least = min(el.least, el.v1)
-    if storey and el.yields and not el.smooth:
+    if is_storey and el.yields and not el.smooth:
         first = abs(el.k * el.v0 + el.f0)
         last = abs(el.k * el.v1 + el.f0)
         rises = rises or max(first, last) + abs(el.k) * el.dv > el.peak_f
@@ -99,20 +120,20 @@ def _raise_to_ends(el, storey):
 
 
 @njit(**CALLED)
-def _raise_deformation(el, run, storey):
-    """The same inside the step, for an element whose rate stands in r.p."""
+def _raise_deformation(el, run, is_storey):
+    """Raise the largest values of an element to those inside the step; its rate stands in run.p."""
     n = integrate_rate(run, 1.0, el.v0)
-    el.peak_v = find_largest(run, n, run.end, el.peak_v, storey)
-    if storey and el.yields and not el.smooth:
+    el.peak_v = find_largest(run, n, run.end, el.peak_v, is_storey)
+    if is_storey and el.yields and not el.smooth:
         for k in range(n + 1):
             run.p[k] *= el.k
         run.p[0] += el.f0
-        el.peak_f = find_largest(run, n, run.end, el.peak_f, storey)
+        el.peak_f = find_largest(run, n, run.end, el.peak_f, is_storey)
 
 
 @njit(**CALLED)
 def _find_displacement(dof, run, side, peak):
-    """Largest displacement inside the step, times `side`."""
+    """Return the larger of `peak` and the largest displacement inside the step, times `side`."""
     p = run.p
     absolute = run.h < 0.0
     p[0] = side * dof.u0
@@ -123,7 +144,7 @@ def _find_displacement(dof, run, side, peak):
 
 @njit(**CALLED)
 def _raise_acceleration(dof, run):
-    """Largest |total acceleration| inside the step."""
+    """Raise the largest |total acceleration| of a degree of freedom to that inside the step."""
     p = run.p
     absolute = run.h > 0.0
     for k in range(run.order):
@@ -135,7 +156,7 @@ def _raise_acceleration(dof, run):
 
 @njit(**CALLED)
 def _raise_force(el, run, row):
-    """Largest |force|, impulse and time of an element that acts."""
+    """Raise the largest |force| of an element that acts; add its impulse and its time."""
     first = row.f[0]
     deviation = 0.0
     last = 0.0
@@ -163,7 +184,7 @@ def _raise_force(el, run, row):
 
 @njit(**CALLED)
 def _raise_column_shear(dofs, elements, terms, run, series, column):
-    """Largest |shear| in struck columns: their share of the storey's, and what blows on them add at that end."""
+    """Raise the largest |shear| in struck columns: their share of the storey's, and what blows add at that end."""
     el = elements[column.storey]
     p = run.p
     absolute = run.h > 0.0
@@ -181,7 +202,7 @@ def _raise_column_shear(dofs, elements, terms, run, series, column):
 
 @njit(**CALLED)
 def _add_forces(elements, terms, run, series, column):
-    """Add the forces of links, and of lines whose force is smooth, to the polynomial of a shear in r.p [N]."""
+    """Add the forces of links, and of lines whose force is smooth, to the polynomial of a shear in run.p [N]."""
     for x in range(column.first, column.last):
         el = elements[terms[x].dof]
         if _has_own_force(el):
@@ -198,8 +219,10 @@ def _has_own_force(el):
 
 @njit(**PART)
 def _raise_pair_to_ends(el, mate, one, other, constant, peak):
-    """Raise the largest |one x drift + other x twist + constant| of a storey whose floors twist to the step's ends;
-    return it, and whether it may rise above them inside."""
+    """Return `peak` raised to the ends of the step, and whether what it is of may rise above it inside.
+
+    It is of |one x drift + other x twist + constant| of a storey whose floors twist.
+    """
     first = one * el.v0 + other * mate.v0 + constant
     last = one * el.v1 + other * mate.v1 + constant
     rises = max(abs(first), abs(last)) + abs(one) * el.dv + abs(other) * mate.dv > peak
@@ -213,7 +236,7 @@ def _raise_pair_to_ends(el, mate, one, other, constant, peak):
 
 @njit(**CALLED)
 def _build_pair(dofs, elements, terms, run, el, one, other, constant):
-    """Coefficients of one x drift + other x twist + constant of a storey, into r.p; returns their degree."""
+    """Put the coefficients of one x drift + other x twist + constant of a storey into run.p; return their degree."""
     p = run.p
     at = np.int64(SLOPE)
     start = one * el.v0 + other * elements[el.mate].v0 + constant
@@ -228,7 +251,7 @@ def _build_pair(dofs, elements, terms, run, el, one, other, constant):
 
 @njit(**CALLED)
 def _find_pair_peak(dofs, elements, terms, run, el, one, other, constant, peak):
-    """The same inside the step."""
+    """Return the larger of `peak` and the largest |one x drift + other x twist + constant| of a storey in the step."""
     absolute = run.h > 0.0
     n = _build_pair(dofs, elements, terms, run, el, one, other, constant)
     return find_largest(run, n, run.end, peak, absolute)
@@ -236,8 +259,10 @@ def _find_pair_peak(dofs, elements, terms, run, el, one, other, constant, peak):
 
 @njit(**CALLED)
 def _raise_storey_shear(dofs, elements, terms, run, series, column):
-    """Largest |shear| of a storey whose floors twist, or of its struck columns: straight in drift and twist but for
-    forces of links and of lines whose force is smooth."""
+    """Raise the largest |shear| of a storey whose floors twist, or of its struck columns.
+
+    It is straight in drift and twist but for the forces of links and of lines whose force is smooth.
+    """
     el = elements[column.storey]
     share = column.share
     absolute = run.h > 0.0

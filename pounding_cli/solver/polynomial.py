@@ -14,25 +14,27 @@ NEVER = 2.0
 """Returned when there is no crossing: later than any step."""
 
 SLOPE = ORDERS + 8
-"""Place in r.p of the derivative's coefficients."""
+"""Place in run.p of the derivative's coefficients."""
 
 LAST = 3e-16
+"""Part by which the root of a crossing is found: to the last digit."""
+
 NEAR = 1e-7
-"""Part by which a root is found at last: a crossing to the last digit; a turn, whose value moves by the square."""
+"""Part by which the root of a turn is found: the value there moves by the square of it."""
 
 
 @njit(**PART)
-def evaluate(p, n, s, at=0):
-    """The polynomial of degree n whose coefficients begin at p[at], at s (Horner)."""
-    total = p[at + n]
-    for k in range(at + n - 1, at - 1, -1):
+def evaluate(p, n, s, first=0):
+    """Return the polynomial of degree n whose coefficients begin at p[first], at s (Horner)."""
+    total = p[first + n]
+    for k in range(first + n - 1, first - 1, -1):
         total = total * s + p[k]
     return total
 
 
 @njit(**CALLED)
 def find_first_crossing(run, n, end):
-    """First s in [0, end] where the polynomial in r.p stops being positive, or NEVER.
+    """Return the first s in [0, end] where the polynomial in run.p stops being positive, or NEVER.
 
     Leading coefficients that are exactly zero mean "zero at the start": the sign of the first one that is not decides,
     so a start from rest on the boundary is settled by the first derivative that does not vanish.
@@ -72,8 +74,13 @@ def find_first_crossing(run, n, end):
 
 @njit(**CALLED)
 def _find_root(run, first, last, low, high, at_low, at_high, near):
-    """A root of the polynomial r.p[first] to r.p[last] between `low`, where it is `at_low`, and `high`, where it is
-    `at_high` of the other sign or 0: Newton kept inside the bracket, until it moves by less than the part `near`."""
+    """Return a root of the polynomial run.p[first] to run.p[last] between `low` and `high`, by Newton in this bracket.
+
+    Parameters
+    ----------
+    at_low, at_high : values at the ends of the bracket, of other signs or 0 at `high`
+    near : part of the root by which the last change may move it [-]
+    """
     p = run.p
     s = low + (high - low) * at_low / (at_low - at_high)
     rising = at_low < 0.0
@@ -99,7 +106,14 @@ def _find_root(run, first, last, low, high, at_low, at_high, near):
 
 @njit(**CALLED)
 def _march_to_root(run, first, n, end, bound, floor, last):
-    """The first root by steps that never pass one, with |p''| <= bound; the sign at `end` decides if they get short."""
+    """Return the first root by steps that never pass one, or NEVER.
+
+    Parameters
+    ----------
+    bound : of |p''|
+    floor : value below which the polynomial is zero
+    last : value at `end`, whose sign decides if the steps get short
+    """
     p = run.p
     s = 0.0
     total = floor
@@ -130,10 +144,12 @@ PIECES = 8
 
 @njit(**CALLED)
 def find_largest(run, n, end, best, absolute):
-    """The larger of `best` and the largest p (|p| if `absolute`) in [0, end].
+    """Return the larger of `best` and the largest p (|p| if `absolute`) in [0, end].
 
     Nothing is searched that a bound excludes: all of p below `best`, a slope that keeps its sign, a slope that is
     monotone (then it has one zero at most).
+
+    absolute : given as `run.h > 0.0` or `run.h < 0.0`: for the constants True and False all would be compiled twice
     """
     p = run.p
     q = np.int64(SLOPE)

@@ -29,8 +29,11 @@ PLACES_INSIDE = 8
 
 
 def _build_dtype(**fields: str) -> np.dtype:
-    """Fields by kind: `f8="a b w:32"` are two numbers and a row of 32; whatever follows the kind's two letters tells
-    lists of one kind apart."""
+    """Return the type of a record from the names of its fields by kind.
+
+    `f8="a b w:32"` are two numbers and a row of 32; whatever follows the two letters of a kind tells lists of one kind
+    apart.
+    """
     made: list[Any] = []
     for kind, names in fields.items():
         for each in names.split():

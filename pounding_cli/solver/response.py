@@ -32,7 +32,7 @@ TURNS = ("twist", "edge_drift_low", "edge_drift_high")
 
 @functools.lru_cache(maxsize=1024)
 def peaks_type(buildings: int, storeys: int, links: int, lines: int = 0) -> np.dtype:
-    """The record of the peaks of a scene: numbers of every building and storey, of every base, and of every link.
+    """Return the type of the record of the peaks of a scene: numbers of every building and storey, base, and link.
 
     lines : most frame lines of a building whose floors twist; 0 where none does
     """
@@ -48,7 +48,7 @@ def peaks_type(buildings: int, storeys: int, links: int, lines: int = 0) -> np.d
 
 
 def no_peaks(storeys: Sequence[int], links: int, lines: int = 0) -> np.void:
-    """The peaks of a run that failed, of buildings with so many storeys: NaN, and none of them is ever shown."""
+    """Return the peaks of a run that failed, of buildings with so many storeys: NaN, and none of them is ever shown."""
     return np.full(1, np.nan, peaks_type(len(storeys), max(storeys), links, lines))[0]
 
 
@@ -320,7 +320,7 @@ class Response:
 
     @property
     def has_result(self) -> bool:
-        """Whether the run came to an end of its own: that of the motion, or a collapse."""
+        """True where the run came to an end of its own: that of the motion, or a collapse."""
         return self.status in OUTCOMES
 
     def __repr__(self) -> str:

@@ -97,8 +97,13 @@ class Rest:
 
 
 def find_rest(run: SceneRun, is_done: np.ndarray) -> Rest:
-    """Find the drifts at rest of those scenes of a run that came to the end of their motion (`is_done`): 0 without any
-    cost where nothing holds a storey away from where it was, else where they are asked for."""
+    """Find the drifts at rest of those scenes of a run that came to the end of their motion.
+
+    They are 0 without any cost where nothing holds a storey away from where it was; else they are found where they are
+    asked for.
+
+    is_done : whether a scene came to the end of its motion, shape (scenes,)
+    """
     layout = run.layout
     links = run.data.elements[:, run.layout.of_links]
     first_link = layout.of_links.start
@@ -195,7 +200,7 @@ def _find_reasons(state: _State, is_at_rest: np.ndarray, elapsed: float) -> list
 
 @functools.lru_cache(maxsize=64)
 def _build_shape(layout: Layout) -> np.ndarray:
-    """Return `term_matrix` of a layout, made once."""
+    """Return `build_term_matrix` of a layout, made once."""
     return build_term_matrix(layout)
 
 
@@ -229,8 +234,11 @@ def _hold(matrix: np.ndarray, is_still: np.ndarray, diagonal: float) -> np.ndarr
 
 @functools.lru_cache(maxsize=64)
 def _find_modes(layout: Layout) -> tuple[np.ndarray, np.ndarray]:
-    """Return the frequencies [rad/s] of the buildings with their initial stiffnesses, without links and on sliders that
-    stick, and their shapes over the square roots of the masses, of what moves; shapes (modes,) and (n, modes)."""
+    """Return frequencies [rad/s] and shapes of what moves, without links and on sliders that stick.
+
+    The buildings have their initial stiffnesses; the shapes are over the square roots of the masses. Shapes (modes,)
+    and (n, modes).
+    """
     n = layout.number
     k = np.zeros((1, layout.elements.size))
     is_spring = layout.elements["drifts"] > 0

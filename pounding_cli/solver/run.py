@@ -1,5 +1,7 @@
-"""The run: steps that end at a sample of the ground motion, at an output time, or exactly at an event, whichever is
-first."""
+"""The run: steps that end at a sample of the ground motion, at an output time, or exactly at an event.
+
+Whichever of these is first ends a step.
+"""
 
 from __future__ import annotations
 
@@ -27,8 +29,11 @@ INSTANT = 1e-15
 SHORTEST = 1e-25
 """Part of a step to which series are never shortened: their numbers are not finite."""
 
-AT_INSTANT = 20, 4
-"""Events at one instant after which a run has stalled: so many, and so many more an element."""
+MOST_AT_INSTANT = 20
+"""Events at one instant after which a run has stalled: so many, and those an element that it has."""
+
+MOST_AT_INSTANT_AN_ELEMENT = 4
+"""Events an element that may happen at one instant besides."""
 
 NEAR = 1e-9
 """Part of a sample of the motion [-] within which two times are one."""
@@ -36,24 +41,77 @@ NEAR = 1e-9
 
 @njit(**PART)
 def begin_step(run, elapsed, length, g, slope, output):
-    """Length of the next step, and the ground in it; whether it reaches the end of a segment of this length [s]."""
+    """Set the length of the next step, and the ground in it; return whether it reaches the end of a segment.
+
+    Parameters
+    ----------
+    elapsed, length : of the segment [s]
+    g, slope : acceleration of the ground at the start of the segment [m/s2], and its slope [m/s3]
+    output : time to the next output [s]
+    """
     h = length - elapsed
-    whole = h <= run.longest * (1.0 + 1e-9)
-    if not whole:
+    reaches_end = h <= run.longest * (1.0 + 1e-9)
+    if not reaches_end:
         h /= np.ceil(h / run.longest - 1e-9)
     if output < h - NEAR * run.dt:
         h = output
-        whole = False
+        reaches_end = False
     run.h = h
     run.end = 2.0
     run.g0 = g + slope * elapsed
     run.g1 = slope * h
-    return whole
+    return reaches_end
+
+
+@njit(**PART)
+def _take_step(dofs, elements, terms, run, series, rooms, scene):
+    """Take a step, by DOP853 while a smooth force acts and by series else; return whether it is shorter than planned.
+
+    scene : its place among the rooms
+    """
+    if not run.smooth:
+        return _take_series_step(dofs, elements, terms, run, series)
+    planned = run.h
+    if rooms is not None:
+        take_smooth_step(dofs, elements, terms, run, series, Room(rooms.states[scene], rooms.formulas[scene]))
+    return run.h < planned
+
+
+@njit(**PART)
+def _take_series_step(dofs, elements, terms, run, series):
+    """Take a step by series; return whether it was shortened until they converge."""
+    start_series(dofs, elements, terms, run, series)
+    if expand(dofs, elements, terms, run, series):
+        return False
+    ratio = find_converged_part(dofs, elements, run, series)
+    if not ratio > SHORTEST:
+        run.status = NOT_FINITE
+    return shorten(dofs, run, series, ratio)
+
+
+@njit(**PART)
+def _end_step(dofs, elements, terms, run, series, rooms, scene, is_smooth):
+    """End a step at s = 1, or at its first event; return whether there is one.
+
+    is_smooth : whether DOP853 took the step
+    """
+    evaluate_end(dofs, elements, terms, run)
+    has_event = find_first_event(dofs, elements, terms, run, series)
+    if run.end < 1.0:
+        end_at_event(dofs, elements, terms, run)
+    else:
+        run.end = 1.0
+    if rooms is not None:
+        if is_smooth:
+            end_smooth_step(elements, run, Room(rooms.states[scene], rooms.formulas[scene]))
+    if run.has_sliders:
+        keep_held_forces(elements, run, series)
+    return has_event
 
 
 @njit(**PART)
 def advance(dofs, elements, run):
-    """The end of this step is the start of the next."""
+    """Make the end of this step the start of the next."""
     if run.still:
         run.begun = run.time
     for i in range(run.n):
@@ -72,15 +130,15 @@ def advance(dofs, elements, run):
 
 
 @njit(**PART)
-def count_step(run, happened):
-    """Count a step and see whether the run may go on."""
+def count_step(run, has_event):
+    """Count a step and set the status of a run that may not go on."""
     run.steps += 1
     run.orders += run.order
     if run.end > INSTANT:
         run.instant = 0
-    if happened:
+    if has_event:
         run.instant += 1
-        if run.instant > AT_INSTANT[0] + AT_INSTANT[1] * run.m:
+        if run.instant > MOST_AT_INSTANT + MOST_AT_INSTANT_AN_ELEMENT * run.m:
             run.status = STALLED
     if run.steps > run.most_steps:
         run.status = STEP_BOUND
@@ -90,7 +148,7 @@ def count_step(run, happened):
 
 @njit(**CALLED)
 def begin_run(dofs, elements, terms, run, series):
-    """The branches of all elements, and their deformations at the displacements and velocities of the start."""
+    """Put all elements on their first branches, deformed by the displacements and velocities of the start."""
     run.status = DONE
     run.still = 1
     for i in range(run.n):
@@ -148,10 +206,13 @@ def keep_state(dofs, elements, run, watch):
 
 @njit(**KERNEL)
 def integrate(all_dofs, all_elements, terms, runs, all_series, all_columns, rooms, watch, ground, slopes, ends):
-    """Run scenes of one layout, a row each, through their whole motions. How each ends is run.status.
+    """Run scenes of one layout, a row each, through their whole motions; how each ends is its run.status.
 
-    ground, slopes : acceleration [m/s2] at the start of every segment of run.dt and its slope [m/s3], of the scenes one
-        after the other, those of a scene up to its `ends`
+    Parameters
+    ----------
+    ground, slopes : acceleration at the start of every segment of run.dt [m/s2], and its slope [m/s3], of the scenes
+        one after the other
+    ends : place in `ground` where the segments of each scene end
     rooms : for steps by DOP853; without it (None) a kernel is compiled that has series alone
     """
     terms = borrow_records(terms)
@@ -162,8 +223,8 @@ def integrate(all_dofs, all_elements, terms, runs, all_series, all_columns, room
         elements = borrow_records(all_elements[scene])
         series = borrow_records(all_series[scene])
         columns = borrow_records(all_columns[scene])
-        pinned = run.resumes != 0  # what was known exactly at the end of the run before
-        if not pinned:
+        is_pinned = run.resumes != 0  # by what was known exactly at the end of the run before
+        if not is_pinned:
             begin_run(dofs, elements, terms, run, series)
             if run.lines:
                 gather_lines(elements, run)
@@ -178,53 +239,29 @@ def integrate(all_dofs, all_elements, terms, runs, all_series, all_columns, room
                 output = np.inf
                 if run.output < watch.times.size:
                     output = watch.times[run.output] - (segment * run.dt + elapsed)
-                whole = begin_step(run, elapsed, length, ground[first + segment], slopes[first + segment], output)
-                planned = run.h
-                shortened = False
-                smooth = run.smooth
-                if smooth:
-                    if rooms is not None:
-                        take_smooth_step(
-                            dofs, elements, terms, run, series, Room(rooms.states[scene], rooms.formulas[scene])
-                        )
-                        shortened = run.h < planned
-                else:
-                    start_series(dofs, elements, terms, run, series)
-                    if not expand(dofs, elements, terms, run, series):
-                        ratio = find_converged_part(dofs, elements, run, series)
-                        if not ratio > SHORTEST:
-                            run.status = NOT_FINITE
-                        shortened = shorten(dofs, run, series, ratio)
+                reaches_end = begin_step(run, elapsed, length, ground[first + segment], slopes[first + segment], output)
+                is_smooth = run.smooth
+                is_shortened = _take_step(dofs, elements, terms, run, series, rooms, scene)
                 if run.status != DONE:
                     break
-                evaluate_end(dofs, elements, terms, run)
-                happened = find_first_event(dofs, elements, terms, run, series)
-                if run.end < 1.0:
-                    end_at_event(dofs, elements, terms, run)
-                else:
-                    run.end = 1.0
-                if rooms is not None:
-                    if smooth:
-                        end_smooth_step(elements, run, Room(rooms.states[scene], rooms.formulas[scene]))
-                if run.has_sliders:
-                    keep_held_forces(elements, run, series)
+                has_event = _end_step(dofs, elements, terms, run, series, rooms, scene, is_smooth)
                 add_energy(dofs, elements, run, series)
                 raise_peaks(dofs, elements, terms, run, series, columns)
-                if pinned and run.end > INSTANT:
+                if is_pinned and run.end > INSTANT:
                     unpin(elements, run)
-                    pinned = False
+                    is_pinned = False
                 advance(dofs, elements, run)
-                count_step(run, happened)
-                run.follows = smooth and not happened
+                count_step(run, has_event)
+                run.follows = is_smooth and not has_event
                 elapsed += run.h * run.end
                 run.time = segment * run.dt + elapsed
                 if output <= run.h * run.end + NEAR * run.dt:
                     keep_state(dofs, elements, run, watch)
-                if happened:
+                if has_event:
                     change_branches(dofs, elements, terms, run, series)
-                    pinned = True
+                    is_pinned = True
                     run.longest = run.most_h
-                if whole and not shortened and run.end == 1.0:
+                if reaches_end and not is_shortened and run.end == 1.0:
                     break
             if run.status != DONE:
                 break

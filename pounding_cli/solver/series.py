@@ -42,7 +42,7 @@ def zero_if_rounding(total, magnitude, tolerance):
 
 @njit(**PART)
 def _compute_link_rate(dofs, terms, k, el):
-    """Order k of the rate of a link."""
+    """Return order k of the rate of a link."""
     rate = dofs[el.left].w[k] - dofs[el.right].w[k]
     for x in range(el.first, el.last):
         rate += terms[x].weight * dofs[terms[x].dof].w[k]
@@ -60,8 +60,10 @@ def push(dofs, terms, el, f):
 
 @njit(**PART)
 def push_by_storey(dofs, el, i, f, has_lean):
-    """Let the force f of storey i act on its floor and on what it stands on. The weight on it (P-Delta) acts on the
-    floors alone, by their displacements u1, which at a step's start are u0."""
+    """Let the force f of storey i act on its floor and on what it stands on.
+
+    The weight on it (P-Delta) acts on the floors alone, by their displacements u1, which at a step's start are u0.
+    """
     dof = dofs[i]
     if has_lean:
         dofs[dof.foot].push += dof.lean * f
@@ -81,7 +83,7 @@ def compute_coupled_force(elements, el):
 
 @njit(**PART)
 def start_series(dofs, elements, terms, run, series):
-    """Order 0: forces of all elements, and accelerations of all degrees of freedom, which go to order 1 of w."""
+    """Begin the series of a step: forces of all elements at its start, and accelerations, which go to order 1 of w."""
     for i in range(run.n):
         dofs[i].push = dofs[i].mass * dofs[i].loaded * run.g0
     for a in range(run.active):
@@ -115,7 +117,7 @@ def start_series(dofs, elements, terms, run, series):
 
 @njit(**PART)
 def _compute_cubic_term(el, row, k, v, rate):
-    """Order k of the force k v + p v^3 + root sqrt(k + 3 p v^2) v' [N]."""
+    """Return order k of the force k v + p v^3 + root sqrt(k + 3 p v^2) v' [N]."""
     row.v[k] = v
     row.rate[k] = rate
     square = cube = root = dash = 0.0
@@ -133,8 +135,12 @@ def _compute_cubic_term(el, row, k, v, rate):
 
 @njit(**PART)
 def _push_links(dofs, elements, terms, series, count, k, part):
-    """Order k of the forces of the links that act; `part` is h / k. Returns the largest term of a force that is cut
-    off, over what may be left out: it moves no floor, but its sign is asked for."""
+    """Add order k of the forces of the links that act; return the largest term of a force that is cut off.
+
+    A force that is cut off moves no floor, but its sign is asked for; its term is over what may be left out [-].
+
+    part : h / k
+    """
     largest = 0.0
     for a in range(count):
         row = series[a]
@@ -162,8 +168,14 @@ def _push_links(dofs, elements, terms, series, count, k, part):
 
 @njit(**PART)
 def _advance_velocity(dof, k, w, f, after):
-    """Order k + 1 of the velocity of a degree of freedom, where order k is w and the forces of its storeys add up to f;
-    returns the size of its acceleration, over what may be left out."""
+    """Set order k + 1 of a velocity; return the size of the acceleration, over what may be left out [-].
+
+    Parameters
+    ----------
+    w : order k of the velocity
+    f : sum of the forces of the storeys at the degree of freedom
+    after : h / (k + 1)
+    """
     a = -dof.inv_mass * (f + dof.push) - dof.drag * w
     dof.push = 0.0
     dof.w[k + 1] = a * after
@@ -172,8 +184,13 @@ def _advance_velocity(dof, k, w, f, after):
 
 @njit(**PART)
 def _walk_up(dofs, elements, n, k, part, after, has_lean):
-    """Order k of all storeys, from the ground up: a floor is done when the force of the storey above it is. Bases that
-    rock come after their floors, whose forces they feel; the weight on a storey acts on the floors alone."""
+    """Take all storeys from order k to the next, from the ground up; return the largest size of an acceleration.
+
+    A floor is done when the force of the storey above it is. Bases that rock come after their floors, whose forces they
+    feel; the weight on a storey acts on the floors alone.
+
+    part, after : h / k and h / (k + 1)
+    """
     size = left = before = own = 0.0
     for i in range(n):  # from 0 on by the same sums, so that equal buildings move alike to the last digit
         dof = dofs[i]
@@ -198,7 +215,7 @@ def _walk_up(dofs, elements, n, k, part, after, has_lean):
 
 @njit(**PART)
 def _walk_up_twisting(dofs, elements, n, k, part, after, has_lean):
-    """The same where floors twist: a storey has a drift and a twist, whose forces are those of its lines together."""
+    """Do as `_walk_up` where floors twist: a storey has a drift and a twist, with the forces of all its lines."""
     size = left = before = own = left_turn = before_turn = own_turn = 0.0
     last = -1
     for i in range(n):
@@ -250,8 +267,11 @@ def _walk_up_twisting(dofs, elements, n, k, part, after, has_lean):
 
 @njit(**PART)
 def expand(dofs, elements, terms, run, series):
-    """Series of the velocities, up to the order at which two terms of all accelerations in a row are small enough or
-    the highest one. Returns whether they are; the order goes to run.order."""
+    """Expand the velocities of a step as series; return whether they converge.
+
+    They end at the order at which two terms of all accelerations in a row are small enough, or at the highest one; the
+    order goes to run.order.
+    """
     n = run.n
     h = run.h
     count = run.active
@@ -284,7 +304,7 @@ def expand(dofs, elements, terms, run, series):
 
 @njit(**PART)
 def find_converged_part(dofs, elements, run, series):
-    """The part of the step in which the last two terms are small enough [-]; NaN beyond the range of doubles."""
+    """Return the part of the step in which the last two terms are small enough [-]; NaN beyond the range of doubles."""
     worst = 0.0
     for k in (run.order - 1, run.order):
         size = 0.0
@@ -306,8 +326,10 @@ def find_converged_part(dofs, elements, run, series):
 
 @njit(**CALLED)
 def shorten(dofs, run, series, ratio):
-    """Shorten a step whose series do not converge to about `ratio` of it: the motion is the same, s is measured anew.
-    Whether it was."""
+    """Shorten a step whose series do not converge to about `ratio` of it; return whether it was.
+
+    The motion is the same; s is measured anew.
+    """
     if not ratio < 1.0:
         return False
     if ratio > 0.1:

@@ -45,8 +45,10 @@ ORDER = 7
 
 
 def _build_dense_output() -> np.ndarray:
-    """Coefficients 1 to 7 of the polynomials of the states, over the step's length, from the derivatives at all stages:
-    a sum of s, s (1 - s), s^2 (1 - s) and so on."""
+    """Return coefficients 1 to 7 of the polynomials of the states, over the step's length, from all derivatives.
+
+    A polynomial is a sum of s, s (1 - s), s^2 (1 - s) and so on. Shape (orders, stages).
+    """
     step = A[STAGES]
     first = np.eye(ALL)[0]
     last = np.eye(ALL)[STAGES]
@@ -89,8 +91,7 @@ SHORTEST = 1e-15
 
 @njit(**PART)
 def _set_stage(dofs, elements, terms, run, states, stage):
-    """The states y of a stage, y0 + h (A k), as displacements, velocities, deformations, rates and history variables
-    of the records."""
+    """Put the states of a stage, y0 + h (A k), into the records: motion, deformations, rates, history variables."""
     for i in range(states.size):
         state = states[i]
         total = 0.0
@@ -109,7 +110,7 @@ def _set_stage(dofs, elements, terms, run, states, stage):
 
 @njit(**PART)
 def _take_derivatives(dofs, elements, terms, run, series, room, stage):
-    """Derivatives of the states at a stage."""
+    """Find the derivatives of the states at a stage."""
     states = room.states
     formulas = room.formulas
     n = run.n
@@ -143,9 +144,10 @@ def _take_derivatives(dofs, elements, terms, run, series, room, stage):
 
 @njit(**PART)
 def _estimate_error(run, states):
-    """Error of the step over what it may be [-], the largest of all states: in a long row a mean would hide it.
+    """Return the error of the step over what it may be [-], the largest of all states: a mean would hide it in a row.
 
-    Infinite where a state is not finite, which a comparison passes over."""
+    It is infinite where a state is not finite, which a comparison passes over.
+    """
     worst5 = worst3 = total = 0.0
     for i in range(states.size):
         state = states[i]
@@ -166,7 +168,7 @@ def _estimate_error(run, states):
 
 @njit(**PART)
 def _find_longest_step(elements, run, series):
-    """The longest step worth trying [s]: up to near where a contact parts, or across it."""
+    """Return the longest step worth trying [s]: up to near where a contact parts, or across it."""
     longest = math.inf
     for a in range(run.active):
         el = elements[series[a].element]
@@ -177,7 +179,7 @@ def _find_longest_step(elements, run, series):
 
 @njit(**CALLED)
 def take_smooth_step(dofs, elements, terms, run, series, room):
-    """A step that DOP853 accepts: the velocities' polynomials in `dofs`, the forces' in `series`."""
+    """Take a step that DOP853 accepts: the velocities' polynomials go to `dofs`, the forces' to `series`."""
     room = Room(borrow_records(room.states), borrow_records(room.formulas))
     states = room.states
     n = run.n
@@ -226,7 +228,7 @@ def take_smooth_step(dofs, elements, terms, run, series, room):
 
 @njit(**PART)
 def _build_polynomials(dofs, elements, terms, run, series, room):
-    """Polynomials of velocities, history variables and forces."""
+    """Build the polynomials of velocities, history variables and forces."""
     states = room.states
     n = run.n
     run.order = ORDER + 1
@@ -254,8 +256,12 @@ def _build_polynomials(dofs, elements, terms, run, series, room):
 
 @njit(**CALLED)
 def _fit_force(el, run, row, state, formula, storey):
-    """Polynomials of the rate of an element, which stands in r.p, and of its force: of a storey or a frame line without
-    its dashpot."""
+    """Build the polynomials of the rate of an element, which stands in run.p, and of its force.
+
+    That of a storey or a frame line is without its dashpot.
+
+    state : of its history variable, if it has one
+    """
     for k in range(POINTS):
         row.rate[k] = run.p[k]
     integrate_rate(run, 1.0, el.v0)
@@ -290,7 +296,7 @@ def _fit_force(el, run, row, state, formula, storey):
 
 @njit(**PART)
 def end_smooth_step(elements, run, room):
-    """History variables at the end of the step."""
+    """Set the history variables at the end of the step."""
     for e in range(run.m):
         el = elements[e]
         if el.state > 0:

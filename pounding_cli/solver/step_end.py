@@ -18,7 +18,7 @@ NEAR_ZERO = 1e-9
 
 @njit(**PART)
 def evaluate_end(dofs, elements, terms, run):
-    """Displacement, velocity and total acceleration of every degree of freedom at s = 1, with chord deviations."""
+    """Evaluate the motion of every degree of freedom at s = 1, and how far it may deviate from its chord on the way."""
     h = run.h
     count = run.order + 1
     for i in range(run.n):
@@ -64,7 +64,7 @@ def evaluate_end(dofs, elements, terms, run):
 
 @njit(**CALLED)
 def end_at_event(dofs, elements, terms, run):
-    """Replace the values at s = 1 by those at run.end, where an event was found."""
+    """Replace the values at s = 1 by those at s = run.end, where an event was found."""
     h = run.h
     s = run.end
     count = run.order + 1
@@ -90,7 +90,7 @@ def end_at_event(dofs, elements, terms, run):
 
 @njit(**PART)
 def deform_elements(dofs, elements, terms, run):
-    """Deformation and rate of every element at the step's end, exactly zero where floors differ by rounding."""
+    """Find deformation and rate of every element at the step's end, exactly zero where floors differ by rounding."""
     first_line = run.n + run.drags
     end_of_lines = run.n + run.drags + run.lines
     has_lines = run.lines > 0
@@ -127,7 +127,7 @@ def deform_elements(dofs, elements, terms, run):
 
 @njit(**PART)
 def _deform_line(elements, el):
-    """Deformation and rate of a frame line at the step's end, from those of its storey, which come before it."""
+    """Deform a frame line at the step's end by drift and twist of its storey, which are known before."""
     storey = elements[el.storey]
     mate = elements[el.mate]
     lever = abs(el.lever)
@@ -139,7 +139,7 @@ def _deform_line(elements, el):
 
 @njit(**PART)
 def find_reach_of_terms(dofs, terms, el):
-    """Return the largest displacement [m] and speed [m/s] of the further terms of an element."""
+    """Return the largest displacement [m] and speed [m/s] of the further terms of an element so far."""
     reach = fastest = 0.0
     for x in range(el.first, el.last):
         dof = dofs[terms[x].dof]
@@ -151,7 +151,7 @@ def find_reach_of_terms(dofs, terms, el):
 
 @njit(**CALLED)
 def build_rate(dofs, elements, terms, run, e):
-    """Coefficients of the rate of element e, into r.p."""
+    """Put the coefficients of the rate of element e into run.p."""
     el = elements[e]
     count = run.order + 1
     left = dofs[el.left].w
@@ -174,7 +174,7 @@ def build_rate(dofs, elements, terms, run, e):
 
 @njit(**PART)
 def integrate_rate(run, side, first):
-    """`side` times the integral of r.p over the time of the step, with the value `first` at the start; its degree."""
+    """Turn the rate in run.p into `first` plus `side` times its integral over the step's time; return the degree."""
     p = run.p
     n = run.order + 1
     for k in range(n, 0, -1):

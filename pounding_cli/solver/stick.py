@@ -23,8 +23,10 @@ def hold_or_release(dof, el):
 
 @njit(**CALLED)
 def find_drive(dofs, elements, terms, run, series, i):
-    """Find the polynomial of the force that would move the held degree of freedom i [N], positive to the right, but for
-    the friction below it; it goes to the forces of its row of `series`."""
+    """Find the polynomial of the force that would move the held degree of freedom i [N], positive to the right.
+
+    It is without the friction below, and goes to the forces of its row of `series`.
+    """
     dof = dofs[i]
     el = elements[i]
     f = series[el.row].f

@@ -59,7 +59,7 @@ class WorkPrecision:
 
 
 def find_errors(found: Response, reference: Response) -> dict[str, float]:
-    """Largest relative errors by QUANTITIES [-]; forces are relative to the scene's largest."""
+    """Return the largest relative errors by QUANTITIES [-]; forces are relative to the scene's largest."""
     worst = dict.fromkeys(QUANTITIES, 0.0)
     fields = {"V": "shear", "mu": "ductility", "acceleration": "acceleration"}
     for quantity, name in fields.items():
@@ -74,12 +74,17 @@ def find_errors(found: Response, reference: Response) -> dict[str, float]:
 
 
 def resolve_methods(names: Sequence[str]) -> tuple[str, ...]:
-    """Methods by name, all of them when none is named.  Raises `InputError` for a name that is no method."""
+    """Return methods by name, all of them when none is named.
+
+    Raises
+    ------
+    InputError : a name is that of no method
+    """
     return tuple(dict.fromkeys(get_method(name).name for name in names)) or tuple(METHODS)
 
 
 def _solve_at(scene: Scene, name: str, setting: float) -> Response:
-    """The response by a method at a value of its setting."""
+    """Return the response by a method at a value of its setting."""
     told = {METHODS[name].setting.key: setting}
     return solve(scene, method=name, **told)  # type: ignore[arg-type]
 
@@ -135,13 +140,15 @@ def measure(
 
 
 def estimate_noise(seconds: Sequence[float]) -> float:
-    """Return how well the least of some repeats can be repeated [s]: by how much those of every other one differ; 0 of
-    one time, which tells nothing."""
+    """Return how well the least of some repeats can be repeated [s]; 0 of one time, which tells nothing.
+
+    It is by how much those of every other repeat differ.
+    """
     return abs(min(seconds[::2]) - min(seconds[1::2])) if len(seconds) > 1 else 0.0
 
 
 def _iter_runs(scene: Scene, name: str, reference: Response, allowed: float) -> Iterator[dict[str, Any]]:
-    """Runs of one method from coarse to fine, one at least, as far as the time allowed [s] reaches."""
+    """Yield the runs of one method from coarse to fine, one at least, as far as the time allowed [s] reaches."""
     begin = time.perf_counter()
     last = 0.0
     before = 0.0
