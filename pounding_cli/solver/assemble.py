@@ -18,32 +18,32 @@ from pounding_cli.solver.segments import find_last_segment
 SAFETY = 0.5
 """What a series may leave out of an acceleration, over the accuracy asked of the peaks [-]."""
 
-COARSEST = 1e-4
+MAX_TOLERANCE = 1e-4
 """Most that a series may leave out, relative to the acceleration [-]."""
 
-FINEST = 1e-16
+MIN_TOLERANCE = 1e-16
 """Least that a series may leave out, relative to the acceleration [-]."""
 
 SMOOTHER = 0.01
 """Error that a step by DOP853 may have, over what a series may leave out [-]."""
 
-FINEST_SMOOTH = 1e-13
+MIN_SMOOTH_TOLERANCE = 1e-13
 """Least error that a step by DOP853 is asked for [-]: less could not be told from rounding, and where less is asked the
 steps become as much shorter as it would make them."""
 
 ORDER_OF_DOP853 = 8
 """Power of the step by which its error falls."""
 
-LEAST_STATE = 1e-6
+MIN_STATE = 1e-6
 """Size of a displacement [m], velocity [m/s] or history variable below which DOP853 resolves nothing."""
 
-LEAST_SCALE = 1e-3
+MIN_SCALE = 1e-3
 """Acceleration below which nothing is resolved, over the ground's peak [-]."""
 
-MOST_STEPS = 20_000_000
+MAX_STEPS = 20_000_000
 """Steps of a run after which it ends with a status that says so."""
 
-MOST_EVENTS = 5_000_000
+MAX_EVENTS = 5_000_000
 """Events of a run after which it ends with a status that says so."""
 
 NOTHING_KEPT = Watch(np.zeros(0), np.zeros((0, 0, 3)), np.zeros((0, 0, 2)), np.zeros((0, 3)), np.zeros((0, 0)))
@@ -160,12 +160,12 @@ def _put_sizes(runs: np.ndarray, layout: Layout) -> None:
 
 def _put_tolerances(runs: np.ndarray, accuracy: float) -> None:
     """Enter what steps by series and by DOP853 may leave out, for an accuracy asked of the peaks [-]."""
-    tolerance = min(max(accuracy * SAFETY, FINEST), COARSEST)
+    tolerance = min(max(accuracy * SAFETY, MIN_TOLERANCE), MAX_TOLERANCE)
     smooth_tolerance = SMOOTHER * tolerance
     runs["tolerance"] = tolerance
     runs["max_order"] = find_max_order(tolerance)
-    runs["smooth_tolerance"] = max(smooth_tolerance, FINEST_SMOOTH)
-    runs["smaller"] = min(1.0, smooth_tolerance / FINEST_SMOOTH) ** (1.0 / ORDER_OF_DOP853)
+    runs["smooth_tolerance"] = max(smooth_tolerance, MIN_SMOOTH_TOLERANCE)
+    runs["smaller"] = min(1.0, smooth_tolerance / MIN_SMOOTH_TOLERANCE) ** (1.0 / ORDER_OF_DOP853)
 
 
 def find_max_order(tolerance: float) -> int:
@@ -189,7 +189,7 @@ def _find_least_acceleration(layout: Layout, scene: Scene, dofs: np.ndarray, ele
     would turn its largest velocity within a second.
     """
     if scene.motion.pga > 0:
-        return LEAST_SCALE * scene.motion.pga
+        return MIN_SCALE * scene.motion.pga
     n = dofs.size
     below = np.concatenate(([0.0], dofs["u0"][:-1])) * dofs["below"]
     pulls = elements["p"][:n, 0] * np.abs(dofs["u0"] - below) * dofs["inv_mass"]
@@ -222,7 +222,7 @@ def _build_room(layout: Layout, formulas: np.ndarray) -> Room:
     n = layout.number
     history_variables = int(np.count_nonzero(layout.elements["state"]))
     states = np.zeros((len(formulas), 2 * n + history_variables), STATE)
-    states["scale"] = LEAST_STATE
+    states["scale"] = MIN_STATE
     states["scale"][:, :n] *= layout.dofs["unit"]
     states["scale"][:, n : 2 * n] *= layout.dofs["unit"]
     return Room(states, formulas)

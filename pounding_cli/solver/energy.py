@@ -1,4 +1,4 @@
-"""Where the energy of a step goes: quadrature of its polynomials."""
+"""The energies of a step, by quadrature of its polynomials."""
 
 from __future__ import annotations
 
@@ -11,8 +11,10 @@ from pounding_cli.solver.records import PLACES_INSIDE
 _ROOTS, _WEIGHTS = np.polynomial.legendre.leggauss(PLACES_INSIDE)
 
 PLACES = 0.5 + 0.5 * _ROOTS
+"""Gauss-Legendre places in [0, 1]."""
+
 WEIGHTS = 0.5 * _WEIGHTS
-"""Gauss-Legendre places in [0, 1] and their weights."""
+"""Their weights."""
 
 
 @njit(**CALLED)

@@ -1,4 +1,4 @@
-"""How far a response can be trusted: its numerical error, and how much a small change of the motion moves it.
+"""The numerical error of a response, and its sensitivity: how much a small change of the motion moves it.
 
 The two are different things. A tight tolerance removes the first; the second belongs to the scene, whatever the
 method: a contact or a yielding storey that only just happens, or just does not, amplifies the last digit of the

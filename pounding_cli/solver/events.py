@@ -28,7 +28,7 @@ from pounding_cli.solver.series import LAST_DIGITS
 from pounding_cli.solver.step_end import build_rate, find_reach_of_terms, integrate_rate
 from pounding_cli.solver.stick import find_drive
 
-MOST_AT_INSTANT = 4
+MAX_AT_INSTANT = 4
 """Events of an element at one instant after which it leaves a branch only if that is left at the step's end too."""
 
 INSTANT = 1e-12
@@ -153,8 +153,8 @@ def _find_meeting(el, run, row, guard, end):
     """Return where in [0, end] an element, whose rate stands in run.p, first meets a guard; NEVER where it does not."""
     n = _build_guard(el, run, row, guard)
     at = find_first_crossing(run, n, end)
-    often = el.stuck >= MOST_AT_INSTANT
-    if often and at < INSTANT and (el.stuck > 3 * MOST_AT_INSTANT or evaluate(run.p, n, 1.0) > 0.0):
+    often = el.stuck >= MAX_AT_INSTANT
+    if often and at < INSTANT and (el.stuck > 3 * MAX_AT_INSTANT or evaluate(run.p, n, 1.0) > 0.0):
         return NEVER
     return at
 

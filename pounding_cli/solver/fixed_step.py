@@ -23,14 +23,16 @@ from pounding_cli.solver.run import begin_run
 from pounding_cli.solver.series import push, push_by_storey
 from pounding_cli.solver.step_end import deform_elements
 
-BRANCHES = 8
+MAX_BRANCHES = 8
 """Branches that an element passes in a step, at most."""
 
-ITERATIONS = 25
-CONVERGED = 1e-11
-"""Of Newton's method in a step: most, and the part of the forces that may be left."""
+MAX_ITERATIONS = 25
+"""Of Newton's method in a step."""
 
-SHORTEST = 1.0 / 1024.0
+CONVERGED = 1e-11
+"""Part of the forces that Newton's method may leave [-]."""
+
+MIN_PART = 1.0 / 1024.0
 """Part of a step into which one without a root is cut, at least."""
 
 FIXED = ("central-difference", "newmark")
@@ -39,14 +41,14 @@ FIXED = ("central-difference", "newmark")
 HEAVY = 1e200
 """Mass of what does not move [kg]."""
 
-NEAR = 1e-7
+SLOPE_STEP = 1e-7
 """Part of a rate and of a deformation by which slopes of a force are taken."""
 
 
 @njit(**CALLED)
 def _settle(el, formula):
     """Let an element pass the guards that lie between its branch and its state at the end of the step."""
-    for _ in range(BRANCHES):
+    for _ in range(MAX_BRANCHES):
         guard = -1
         if el.v1 < el.low:
             guard = LOW
@@ -167,8 +169,8 @@ def _find_slopes(el, formula):
         c += el.root * root
     if el.smooth:
         f = compute_smooth_force(el, el.v1, el.r1, formula)
-        dv = NEAR * max(abs(el.v1), NEAR)
-        dr = NEAR * max(abs(el.r1), NEAR)
+        dv = SLOPE_STEP * max(abs(el.v1), SLOPE_STEP)
+        dr = SLOPE_STEP * max(abs(el.r1), SLOPE_STEP)
         k += (compute_smooth_force(el, el.v1 + dv, el.r1, formula) - f) / dv
         c += (compute_smooth_force(el, el.v1, el.r1 + dr, formula) - f) / dr
     return k, c
@@ -204,7 +206,7 @@ def _step_by_newmark(dofs, elements, terms, run, room, memory, shape, h, ground)
     kept = memory.copy()
     for i in range(n):  # as a first guess the acceleration stays
         dofs[i].a1 = dofs[i].a0 - dofs[i].loaded * (run.g0 - ground)
-    for _ in range(ITERATIONS):
+    for _ in range(MAX_ITERATIONS):
         for i in range(n):
             dof = dofs[i]
             both = dof.a0 - dof.loaded * run.g0 + dof.a1 - dof.loaded * ground
@@ -268,7 +270,7 @@ def march(dofs, elements, terms, runs, series, columns, room, ground, slopes, me
             if not found:
                 run.trials += 1
                 h *= 0.5
-                if h < SHORTEST * whole:
+                if h < MIN_PART * whole:
                     run.status = NO_ROOT
                 continue
             first = False

@@ -1,4 +1,4 @@
-"""Histories: what a scene does over time, at a uniform step that has nothing to do with the solver's own steps."""
+"""Histories: a scene over time, at a uniform output step that has nothing to do with the solver's own steps."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ TWIST_FIELDS: dict[str, tuple[tuple[str, ...], str, str]] = {
 
 
 def list_output_times(scene: Scene, every: float) -> np.ndarray:
-    """Return the times of a history [s]: from 0 in steps of `every` [s], the last not after the end of motion and tail."""
+    """Return the times of a history [s]: from 0 in steps of `every` [s] up to the end of motion and tail."""
     return every * np.arange(int(np.floor(find_run_time(scene) / every + 1e-9)) + 1)
 
 

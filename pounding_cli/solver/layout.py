@@ -1,4 +1,4 @@
-"""What runs of the same buildings and links share: their records at rest, and where everything stands in them."""
+"""The layout that runs of the same buildings and links share: records at rest, and where everything stands in them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What runs of one layout have left: peaks, energy balances, and flags of what the user should know about them."""
+"""Outcomes of runs of one layout: peaks, energy balances, and flags of what the user should know about them."""
 
 from __future__ import annotations
 

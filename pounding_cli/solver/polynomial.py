@@ -16,10 +16,10 @@ NEVER = 2.0
 SLOPE = ORDERS + 8
 """Place in run.p of the derivative's coefficients."""
 
-LAST = 3e-16
+CROSSING_ACCURACY = 3e-16
 """Part by which the root of a crossing is found: to the last digit."""
 
-NEAR = 1e-7
+TURN_ACCURACY = 1e-7
 """Part by which the root of a turn is found: the value there moves by the square of it."""
 
 
@@ -68,7 +68,7 @@ def find_first_crossing(run, n, end):
     if last > 0.0 and min(start, last) > 0.125 * bound * end:
         return NEVER
     if start_slope * last_slope > 0.0 and min(abs(start_slope), abs(last_slope)) > 0.125 * bend:
-        return NEVER if last > 0.0 else _find_root(run, first, n, 0.0, end, start, last, LAST)
+        return NEVER if last > 0.0 else _find_root(run, first, n, 0.0, end, start, last, CROSSING_ACCURACY)
     return _march_to_root(run, first, n, end, bound / end if end > 0.0 else 0.0, 1e-17 * size, last)
 
 
@@ -132,10 +132,10 @@ def _march_to_root(run, first, n, end, bound, floor, last):
             step = (slope + root) / bound if bound > 0.0 else 2.0 * end + 1.0
         if s + step > end:
             return NEVER if last > 0.0 else end
-        if step <= LAST * s:
+        if step <= CROSSING_ACCURACY * s:
             return s
         s += step
-    return _find_root(run, first, n, s, end, total, last, LAST) if last <= 0.0 else s
+    return _find_root(run, first, n, s, end, total, last, CROSSING_ACCURACY) if last <= 0.0 else s
 
 
 PIECES = 8
@@ -193,7 +193,7 @@ def find_largest(run, n, end, best, absolute):
         if first == 0.0:  # look behind the turn that the piece begins with
             first = evaluate(p, n - 1, low + 1e-6 * end, q)
         if first * after < 0.0 and reach + rise > best:
-            found = evaluate(p, n, _find_root(run, q, q + n - 1, low, high, first, after, NEAR))
+            found = evaluate(p, n, _find_root(run, q, q + n - 1, low, high, first, after, TURN_ACCURACY))
             best = max(best, abs(found) if absolute else found)
         low = high
         left = right

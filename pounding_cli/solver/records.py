@@ -1,4 +1,4 @@
-"""What a run works on: one record per degree of freedom, one per element, and one for the step.
+"""The records that a run works on: one per degree of freedom, one per element, and one for the run.
 
 An element is one-dimensional: it deforms by v = sum of weight x u over its degrees of freedom, less an offset (the gap
 of a contact), and its force acts back on the same degrees of freedom by the same weights. Element i < n is the *storey*
@@ -153,7 +153,7 @@ class Room(NamedTuple):
 
 
 class Watch(NamedTuple):
-    """What is kept over time.
+    """Room for what a history needs over time.
 
     times : from 0, shape (t,) [s]
     dofs : displacement [m], velocity [m/s] and total acceleration [m/s2], shape (t, n, 3)

@@ -1,4 +1,4 @@
-"""What a run returns: the peaks of every storey, floor and link, and what they cost."""
+"""The response of a scene: the peaks of every storey, floor and link, and what they cost."""
 
 from __future__ import annotations
 

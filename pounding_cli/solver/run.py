@@ -23,19 +23,19 @@ from pounding_cli.solver.stick import hold_or_release, keep_held_forces
 FORGET = 0.9
 """What is left of an acceleration as a scale after one step."""
 
-INSTANT = 1e-15
+STANDSTILL = 1e-15
 """Part of a step [-] in which time does not go on."""
 
-SHORTEST = 1e-25
+MIN_RATIO = 1e-25
 """Part of a step to which series are never shortened: their numbers are not finite."""
 
-MOST_AT_INSTANT = 20
+MAX_AT_INSTANT = 20
 """Events at one instant after which a run has stalled: so many, and those an element that it has."""
 
-MOST_AT_INSTANT_AN_ELEMENT = 4
+MAX_AT_INSTANT_AN_ELEMENT = 4
 """Events an element that may happen at one instant besides."""
 
-NEAR = 1e-9
+SAME_TIME = 1e-9
 """Part of a sample of the motion [-] within which two times are one."""
 
 
@@ -53,7 +53,7 @@ def begin_step(run, elapsed, length, g, slope, output):
     reaches_end = h <= run.longest * (1.0 + 1e-9)
     if not reaches_end:
         h /= np.ceil(h / run.longest - 1e-9)
-    if output < h - NEAR * run.dt:
+    if output < h - SAME_TIME * run.dt:
         h = output
         reaches_end = False
     run.h = h
@@ -84,7 +84,7 @@ def _take_series_step(dofs, elements, terms, run, series):
     if expand(dofs, elements, terms, run, series):
         return False
     ratio = find_converged_part(dofs, elements, run, series)
-    if not ratio > SHORTEST:
+    if not ratio > MIN_RATIO:
         run.status = NOT_FINITE
     return shorten(dofs, run, series, ratio)
 
@@ -134,11 +134,11 @@ def count_step(run, has_event):
     """Count a step and set the status of a run that may not go on."""
     run.steps += 1
     run.orders += run.order
-    if run.end > INSTANT:
+    if run.end > STANDSTILL:
         run.instant = 0
     if has_event:
         run.instant += 1
-        if run.instant > MOST_AT_INSTANT + MOST_AT_INSTANT_AN_ELEMENT * run.m:
+        if run.instant > MAX_AT_INSTANT + MAX_AT_INSTANT_AN_ELEMENT * run.m:
             run.status = STALLED
     if run.steps > run.most_steps:
         run.status = STEP_BOUND
@@ -247,7 +247,7 @@ def integrate(all_dofs, all_elements, terms, runs, all_series, all_columns, room
                 has_event = _end_step(dofs, elements, terms, run, series, rooms, scene, is_smooth)
                 add_energy(dofs, elements, run, series)
                 raise_peaks(dofs, elements, terms, run, series, columns)
-                if is_pinned and run.end > INSTANT:
+                if is_pinned and run.end > STANDSTILL:
                     unpin(elements, run)
                     is_pinned = False
                 advance(dofs, elements, run)
@@ -255,7 +255,7 @@ def integrate(all_dofs, all_elements, terms, runs, all_series, all_columns, room
                 run.follows = is_smooth and not has_event
                 elapsed += run.h * run.end
                 run.time = segment * run.dt + elapsed
-                if output <= run.h * run.end + NEAR * run.dt:
+                if output <= run.h * run.end + SAME_TIME * run.dt:
                     keep_state(dofs, elements, run, watch)
                 if has_event:
                     change_branches(dofs, elements, terms, run, series)

@@ -25,9 +25,10 @@ ORDER_FROM_REST = 30
 """Of the first series of a run from rest: floors n storeys up that touch begin to close by t^(2 n + 2)."""
 
 LAST_DIGITS = 1e-13
+"""Part of its terms [-] below which a sum is rounding: floors that move alike."""
+
 LAST_OF_FIT = 1e-10
-"""Part of its terms [-] below which a sum is rounding: floors that move alike. The second is for coefficients that a
-polynomial was fitted to (`smooth`), which multiplies rounding."""
+"""The same of coefficients of a polynomial that was fitted (`smooth`), which multiplies rounding."""
 
 
 @njit(**PART)

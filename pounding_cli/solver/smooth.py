@@ -7,64 +7,25 @@ values at eight Chebyshev points of it.
 
 from __future__ import annotations
 
-import json
 import math
-from pathlib import Path
 
 import numpy as np
 from numba import njit
 
 from pounding_cli.solver.dispatch import compute_force, history_rate
+from pounding_cli.solver.dop853 import ALL, DENSE, E3, E5, ORDER, STAGES, A, C
 from pounding_cli.solver.options import CALLED, PART, borrow_records
 from pounding_cli.solver.polynomial import evaluate
 from pounding_cli.solver.records import NOT_FINITE, STEP_BOUND, Room
 from pounding_cli.solver.series import push, push_by_storey, zero_if_rounding
 from pounding_cli.solver.step_end import build_rate, deform_elements, integrate_rate
 
-_TABLES = {
-    name: np.array(values)
-    for name, values in json.loads(Path(__file__).with_name("dop853.json").read_text(encoding="ascii")).items()
-}
-"""The coefficients as SciPy has them (tools/dop853.py)."""
-
-STAGES = len(_TABLES["A"])
-EXTRA = len(_TABLES["A_EXTRA"])
-ALL = STAGES + 1 + EXTRA
-"""Stages of a step, and with the derivative at its end and those of the dense output."""
-
-A = np.zeros((ALL, ALL))
-A[:STAGES, :STAGES] = _TABLES["A"]
-A[STAGES, :STAGES] = _TABLES["B"]
-A[STAGES + 1 :, :] = _TABLES["A_EXTRA"]
-C = np.concatenate((_TABLES["C"], [1.0], _TABLES["C_EXTRA"]))
-E3 = _TABLES["E3"]
-E5 = _TABLES["E5"]
-
-ORDER = 7
-"""Of the polynomials of velocities."""
-
-
-def _build_dense_output() -> np.ndarray:
-    """Return coefficients 1 to 7 of the polynomials of the states, over the step's length, from all derivatives.
-
-    A polynomial is a sum of s, s (1 - s), s^2 (1 - s) and so on. Shape (orders, stages).
-    """
-    step = A[STAGES]
-    first = np.eye(ALL)[0]
-    last = np.eye(ALL)[STAGES]
-    parts = [step, first - step, 2.0 * step - first - last, *_TABLES["D"]]
-    made = np.zeros((ORDER, ALL))
-    base = np.polynomial.Polynomial([0.0, 1.0])
-    for number, part in enumerate(parts):
-        made[: base.degree()] += np.outer(base.coef[1:], part)
-        base = base * np.polynomial.Polynomial([0.0, 1.0] if number % 2 else [1.0, -1.0])
-    return made
-
-
-DENSE = _build_dense_output()
-
 POINTS = 8
+"""Points of a step at which a force is looked at."""
+
 PLACES = 0.5 - 0.5 * np.cos(np.pi * np.arange(POINTS) / (POINTS - 1))
+"""Their places in the step, from 0 to 1 (Chebyshev)."""
+
 FIT = np.ascontiguousarray(np.linalg.inv(np.vander(PLACES, increasing=True)))
 """Coefficients of a polynomial of degree 7 from its values at PLACES."""
 
@@ -75,17 +36,23 @@ more is part of the force, which the energies miss."""
 FIT_SIZE = np.abs(FIT).sum(axis=1)
 """Largest size of the terms of each coefficient, over the largest value."""
 
-SAFETY = 0.9
-LEAST = 0.2
-MOST = 6.0
-"""Of the next step over this one: margin, least and most."""
+MARGIN = 0.9
+"""Length of the next step over that which the error of this one allows [-]."""
 
-NEARER = 0.75
-LONGER = 1.1
-"""Of a step towards the end of a contact, where its force has no derivatives: its part of the time to there, as the
-floors part now; where it leads across, its length over that of the step that last did."""
+MIN_GROWTH = 0.2
+"""Least length of the next step over that of this one [-]."""
 
-SHORTEST = 1e-15
+MAX_GROWTH = 6.0
+"""Largest length of the next step over that of this one [-]."""
+
+PART_TO_PARTING = 0.75
+"""Length of a step towards the end of a contact, over the time to there as the floors part now [-]: its force has no
+derivatives there."""
+
+GROWTH_ACROSS = 1.1
+"""Length of a step across the end of a contact over that of the step that last led across one [-]."""
+
+MIN_STEP = 1e-15
 """Part of a sample of the motion below which no step is tried."""
 
 
@@ -173,7 +140,7 @@ def _find_longest_step(elements, run, series):
     for a in range(run.active):
         el = elements[series[a].element]
         if el.smooth and el.low == 0.0 and el.r0 < 0.0:
-            longest = min(longest, max(-NEARER * el.v0 / el.r0, LONGER * run.across))
+            longest = min(longest, max(-PART_TO_PARTING * el.v0 / el.r0, GROWTH_ACROSS * run.across))
     return longest
 
 
@@ -203,12 +170,12 @@ def take_smooth_step(dofs, elements, terms, run, series, room):
         _set_stage(dofs, elements, terms, run, states, stage)
         if stage == STAGES:
             error = _estimate_error(run, states)
-            factor = max(LEAST, min(MOST, SAFETY * run.smaller * max(error, 1e-300) ** (-0.125)))
+            factor = max(MIN_GROWTH, min(MAX_GROWTH, MARGIN * run.smaller * max(error, 1e-300) ** (-0.125)))
             if not error < 1.0:
                 run.h *= factor
                 run.g1 *= factor
                 run.trials += 1
-                if run.h < SHORTEST * run.dt:
+                if run.h < MIN_STEP * run.dt:
                     run.status = STEP_BOUND if error < math.inf else NOT_FINITE
                     return
                 stage = 1

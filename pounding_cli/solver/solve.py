@@ -21,7 +21,7 @@ from pounding_cli.model.links import Link
 from pounding_cli.model.parts import divide_scene
 from pounding_cli.model.scene import Scene
 from pounding_cli.solver import outcome, records
-from pounding_cli.solver.assemble import MOST_EVENTS, MOST_STEPS, InitialState, build_records
+from pounding_cli.solver.assemble import MAX_EVENTS, MAX_STEPS, InitialState, build_records
 from pounding_cli.solver.kernels import FIXED_STEP_KERNEL, FOLDER, find_kernel, mark_compiled
 from pounding_cli.solver.layout import Layout, build_layout, build_term_matrix
 from pounding_cli.solver.parts import join_responses
@@ -36,7 +36,7 @@ def solve(
     accuracy: float = 1e-6,
     method: str = "taylor",
     initial: InitialState | None = None,
-    bounds: tuple[int, int] = (MOST_STEPS, MOST_EVENTS),
+    bounds: tuple[int, int] = (MAX_STEPS, MAX_EVENTS),
     *,
     time_step: float | None = None,
     least_steps: int = 1,
@@ -253,7 +253,7 @@ def prepare_run(
     accuracy: float = 1e-6,
     method: str = "taylor",
     initial: InitialState | None = None,
-    bounds: tuple[int, int] = (MOST_STEPS, MOST_EVENTS),
+    bounds: tuple[int, int] = (MAX_STEPS, MAX_EVENTS),
     *,
     time_step: float | None = None,
     times: np.ndarray | None = None,

@@ -1,4 +1,4 @@
-"""What accuracy costs: error and time of every method at every setting on given scenes.
+"""Error and time of every method at every setting on given scenes: the cost of accuracy.
 
 Errors are against Taylor with events at `REFERENCE`, which a second located method confirms; the difference of the two
 is measured and kept, because no error below it means anything."""
@@ -24,12 +24,16 @@ QUANTITIES = ("V", "mu", "acceleration", "force")
 """Peak storey shear, peak ductility, peak floor acceleration, peak link force."""
 
 REFERENCE = ("taylor", 1e-12)
+"""Method and setting of the reference."""
+
 SECOND = ("dop853", 1e-11)
-"""Methods and settings of the reference and of what confirms it."""
+"""Method and setting of the run that confirms the reference."""
 
 MAX_REPEATS = 20
-REPEATED = 0.1
-"""A run is repeated up to so often, or until its repeats took so long [s] together; the least counts."""
+"""Most repeats of a run; the least time counts."""
+
+MAX_REPEAT_TIME = 0.1
+"""Time of all repeats of a run together after which it is not repeated again [s]."""
 
 WARM_UP = 3
 """Samples of the motion that a method sees before it is timed, so that compiling is not."""
@@ -160,7 +164,7 @@ def _iter_runs(scene: Scene, name: str, reference: Response, allowed: float) -> 
         found = _solve_at(scene, name, setting)
         seconds = [found.seconds]
         done = found.status == DONE
-        repeated = min(REPEATED, allowed / len(settings))
+        repeated = min(MAX_REPEAT_TIME, allowed / len(settings))
         while done and len(seconds) < MAX_REPEATS and sum(seconds) + found.seconds < repeated:
             seconds.append(_solve_at(scene, name, setting).seconds)
         errors = find_errors(found, reference) if done else dict.fromkeys(QUANTITIES, np.nan)
