@@ -17,9 +17,13 @@ _PLASTIC = 0
 """History variable: plastic drift of the last unloading [m]."""
 
 _LOWER = -1
+"""Branch of the lower yield line."""
+
 _ELASTIC = 0
+"""Branch between the yield lines."""
+
 _UPPER = 1
-"""Branches: elastic, and the two yield lines."""
+"""Branch of the upper yield line."""
 
 
 def next_bilinear_branch(e: Any, guard: int) -> None:

@@ -104,7 +104,7 @@ class BilinearContact(LinkLaw):
 
     def stored_energy(self, closing: float, force: float) -> float:
         """Return the energy given back from a closing reached by pressing from the gap [J]."""
-        (k1, k2, limit) = self.element_parameters(1.0, 1.0)
+        k1, k2, limit = self.element_parameters(1.0, 1.0)
         v = max(closing - self.offset, 0.0)
         if v <= limit:
             return 0.5 * k1 * v**2

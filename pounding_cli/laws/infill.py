@@ -19,11 +19,13 @@ NEGLIGIBLE_BENDING = 1e-9
 """Flexibility of a spring in series times the largest stiffness of an infill [-] below which the spring is left out."""
 
 HELD_WIDTH_SHARE = 1e-7
-MIN_HELD_WIDTH = 1e-10
-"""Width of the jump of eq. (9) as printed, for floors that pass it slowly: part of the thickness, and at least [m].
+"""Width of the jump of eq. (9) as printed, for floors that pass it slowly, over the thickness [-].
 
 A push between the two forces at the jump holds the floors there. They would swing through it ever faster, an endless
 number of times; a spring across this width holds them instead."""
+
+MIN_HELD_WIDTH = 1e-10
+"""Least such width [m]."""
 
 _K, _CUBIC, _ROOT, _K_BEYOND, _F0_BEYOND, _THICKNESS, _CUTS, _HELD_RATE = range(8)
 """Parameters: spring [N/m], cubic [N/m3] and dashpot over sqrt(stiffness) [sqrt(kg)] of the material; spring [N/m] and

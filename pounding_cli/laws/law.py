@@ -12,8 +12,10 @@ from functools import cache, cached_property
 from typing import Any, ClassVar
 
 PARAMETERS = 16
+"""Room in the record of an element for the parameters p of its law."""
+
 HISTORY = 14
-"""Room in the record of an element for the parameters p and the history variables h of its law."""
+"""Room in the record of an element for the history variables h of its law."""
 
 REFERENCE_CLOSING = 0.01
 """Closing [m] at which the slope of a force that stiffens without end is taken: floors press each other by

@@ -318,10 +318,10 @@ def _facts(plan: Plan, axes: tuple[str, ...]) -> dict[str, Array]:
         """Return what `value` gives at all combinations of the values of the axes that change a section."""
         touched = study.axes_changing(section)
         sizes = [len(plan.axes[k].values) for k in touched]
-        each = [value(at) for at in iter_section_points(plan, section)]
+        at_points = [value(at) for at in iter_section_points(plan, section)]
         found = {}
         for v in declared:
-            array = np.array([one[v.name] for one in each], object if v.kind == "s" else float)
+            array = np.array([values[v.name] for values in at_points], object if v.kind == "s" else float)
             found[v.name] = array.reshape(*sizes, *array.shape[1:])
         changing = list[str]()
         for axis in (axes[k] for k in touched):  # without those that change nothing after all

@@ -198,7 +198,8 @@ class History:
                 continue
             frame = self.frame(name)
             unit = frame.attrs["units"]
-            frame = frame if name == "closing" else frame.abs()
+            if name != "closing":
+                frame = frame.abs()
             whole = [frame]
             if frame.columns.nlevels > 1:
                 whole = [frame[[each]] for each in self.buildings if each in frame.columns.get_level_values(0)]
