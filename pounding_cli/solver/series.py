@@ -192,14 +192,14 @@ def _walk_up(dofs, elements, n, k, part, after, has_lean):
 
     part, after : h / k and h / (k + 1)
     """
-    size = left = before = own = 0.0
+    size = w_below = earlier_below = f_below = 0.0
     for i in range(n):  # from 0 on by the same sums, so that equal buildings move alike to the last digit
         dof = dofs[i]
         el = elements[i]
         w = dof.w[k]
         earlier = dof.w[k - 1]
-        moved = part * (earlier - dof.below * before)
-        rate = w - dof.below * left
+        moved = part * (earlier - dof.below * earlier_below)
+        rate = w - dof.below * w_below
         f = el.stiffness * moved + el.c * rate
         if has_lean:
             foot = dofs[dof.foot]
@@ -207,18 +207,18 @@ def _walk_up(dofs, elements, n, k, part, after, has_lean):
             foot.push += dof.lean * (f + el.load * moved + leaned)
             f += leaned
         if i > 0:
-            size = max(size, _advance_velocity(dofs[i - 1], k, left, own - dof.below * f, after))
-        left = w
-        before = earlier
-        own = f
-    return max(size, _advance_velocity(dofs[n - 1], k, left, own, after))
+            size = max(size, _advance_velocity(dofs[i - 1], k, w_below, f_below - dof.below * f, after))
+        w_below = w
+        earlier_below = earlier
+        f_below = f
+    return max(size, _advance_velocity(dofs[n - 1], k, w_below, f_below, after))
 
 
 @njit(**PART)
 def _walk_up_twisting(dofs, elements, n, k, part, after, has_lean):
     """Do as `_walk_up` where floors twist: a storey has a drift and a twist, with the forces of all its lines."""
-    size = left = before = own = left_turn = before_turn = own_turn = 0.0
-    last = -1
+    size = w_below = earlier_below = f_below = w_turn_below = earlier_turn_below = f_turn_below = 0.0
+    floor_below = -1
     for i in range(n):
         dof = dofs[i]
         el = elements[i]
@@ -226,8 +226,8 @@ def _walk_up_twisting(dofs, elements, n, k, part, after, has_lean):
             continue
         w = dof.w[k]
         earlier = dof.w[k - 1]
-        moved = part * (earlier - dof.below * before)
-        rate = w - dof.below * left
+        moved = part * (earlier - dof.below * earlier_below)
+        rate = w - dof.below * w_below
         f = el.stiffness * moved + el.c * rate
         leaned = leaned_rate = 0.0
         if has_lean:
@@ -239,31 +239,30 @@ def _walk_up_twisting(dofs, elements, n, k, part, after, has_lean):
             mate = elements[el.mate]
             w_turn = turn.w[k]
             earlier_turn = turn.w[k - 1]
-            turned = part * (earlier_turn - turn.below * before_turn)
-            turned_rate = w_turn - turn.below * left_turn
+            turned = part * (earlier_turn - turn.below * earlier_turn_below)
+            turned_rate = w_turn - turn.below * w_turn_below
             f += el.coupled_k * turned + el.coupled_c * turned_rate
             f_turn = mate.stiffness * turned + mate.c * turned_rate
             f_turn += el.coupled_k * (moved + leaned) + el.coupled_c * (rate + leaned_rate)
             if turn.below != 0.0:
-                size = max(
-                    size, _advance_velocity(dofs[el.mate - np.uint64(1)], k, left_turn, own_turn - f_turn, after)
-                )
-            left_turn = w_turn
-            before_turn = earlier_turn
-            own_turn = f_turn
+                turning = dofs[el.mate - np.uint64(1)]
+                size = max(size, _advance_velocity(turning, k, w_turn_below, f_turn_below - f_turn, after))
+            w_turn_below = w_turn
+            earlier_turn_below = earlier_turn
+            f_turn_below = f_turn
             if el.twists > 1:
-                size = max(size, _advance_velocity(turn, k, left_turn, own_turn, after))
+                size = max(size, _advance_velocity(turn, k, w_turn_below, f_turn_below, after))
         if has_lean:
             lean_force = el.k * leaned + el.c * leaned_rate
             foot.push += dof.lean * (f + el.load * moved + lean_force)
             f += lean_force
-        if last >= 0:
-            size = max(size, _advance_velocity(dofs[last], k, left, own - dof.below * f, after))
-        left = w
-        before = earlier
-        own = f
-        last = i
-    return max(size, _advance_velocity(dofs[last], k, left, own, after))
+        if floor_below >= 0:
+            size = max(size, _advance_velocity(dofs[floor_below], k, w_below, f_below - dof.below * f, after))
+        w_below = w
+        earlier_below = earlier
+        f_below = f
+        floor_below = i
+    return max(size, _advance_velocity(dofs[floor_below], k, w_below, f_below, after))
 
 
 @njit(**PART)
