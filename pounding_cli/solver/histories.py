@@ -12,8 +12,9 @@ from pounding_cli.model.links import link_label, link_places
 from pounding_cli.model.parts import divide_scene
 from pounding_cli.model.scene import Scene
 from pounding_cli.solver import records
+from pounding_cli.solver.balance import compute_energy_of_lines, compute_energy_of_storeys
 from pounding_cli.solver.layout import Layout
-from pounding_cli.solver.outcome import ENDS, compute_energy_of_lines, compute_energy_of_storeys, to_closings
+from pounding_cli.solver.outcome import ENDS, to_closings
 from pounding_cli.solver.parts import join_histories
 from pounding_cli.solver.response import OUTCOMES
 from pounding_cli.solver.segments import build_segments, find_run_time

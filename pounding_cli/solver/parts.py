@@ -13,7 +13,7 @@ from pounding_cli.model.effects import DroppedEffect, effects_of
 from pounding_cli.model.links import link_label, link_places
 from pounding_cli.model.parts import PartScene
 from pounding_cli.model.scene import Scene
-from pounding_cli.solver.outcome import build_collapse_flag, list_flags
+from pounding_cli.solver.flags import build_collapse_flag, list_flags
 from pounding_cli.solver.response import (
     COLLAPSED,
     COLUMNS,

@@ -76,7 +76,7 @@ DOF = _build_dtype(f"""
     f8 fastest   largest speed so far
     f8 felt      1 where the acceleration of the ground belongs to the total one; 0 of a floor that twists
     f8 unit      what counts as 1 m/s2: 1, or 1 / radius of gyration of a floor that twists [rad/m]
-    f8 apart:8   empty, for nine lines of the cache a record: eight (512 bytes) lie in the same places and slow the walks
+    f8 apart:8   empty, for nine lines of the cache a record: eight (512 bytes) lie in the same places of it
     u8 foot      the rocking of its base
 """)
 

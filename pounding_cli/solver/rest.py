@@ -30,9 +30,10 @@ from pounding_cli.laws.slider import FRICTION
 from pounding_cli.model.scene import Scene
 from pounding_cli.solver import records
 from pounding_cli.solver.assemble import NOTHING_KEPT
+from pounding_cli.solver.balance import compute_forces
 from pounding_cli.solver.branches import TOUCH
 from pounding_cli.solver.layout import Layout, build_term_matrix
-from pounding_cli.solver.outcome import compute_forces, to_closings
+from pounding_cli.solver.outcome import to_closings
 from pounding_cli.solver.records import Data, Room
 
 if TYPE_CHECKING:

@@ -22,6 +22,8 @@ from pounding_cli.model.parts import divide_scene
 from pounding_cli.model.scene import Scene
 from pounding_cli.solver import outcome, records
 from pounding_cli.solver.assemble import MAX_EVENTS, MAX_STEPS, InitialState, build_records
+from pounding_cli.solver.balance import balance_energies, compute_energy_of_lines, compute_energy_of_storeys
+from pounding_cli.solver.flags import build_collapse_flag, list_flags
 from pounding_cli.solver.kernels import FIXED_STEP_KERNEL, FOLDER, find_kernel, mark_compiled
 from pounding_cli.solver.layout import Layout, build_layout, build_term_matrix
 from pounding_cli.solver.parts import join_responses
@@ -174,7 +176,7 @@ class SceneRun:
         with np.errstate(all="ignore"):  # a run that failed may have ended at any numbers
             energies = {}
             if not self.method.takes_step:
-                energies = outcome.balance_energies(self.layout, data, scenes, self.initial_energy)
+                energies = balance_energies(self.layout, data, scenes, self.initial_energy)
             residuals = energies.get("residual", np.zeros(len(scenes)))
             ends = outcome.find_outcomes(data, self.accuracy, residuals)
             rest = find_rest(self, np.array([status == DONE for status, _ in ends], bool))
@@ -223,12 +225,12 @@ class SceneRun:
             peaks = no_peaks(storeys, len(scene.links), layout.most_lines)
             return Response(peaks, **facts, energy=no_energy, final=final, final_turns=final_turns)
         peaks = peaks.copy()
-        flags = outcome.list_flags(scene, peaks)
+        flags = list_flags(scene, peaks)
         if status == COLLAPSED:
             building, storey = outcome.find_collapse(layout, self.data.elements[number])
             time = float(run["time"])
             outcome.put_collapse(peaks, layout, building, storey, time)
-            flags = (outcome.build_collapse_flag(layout.buildings[building].name, storey, time), *flags)
+            flags = (build_collapse_flag(layout.buildings[building].name, storey, time), *flags)
         if takes_step and run["trials"]:
             kind = "time steps cut in half, because Newton found no root where a contact force jumps"
             detail = f"{run['trials']} of {run['steps']} steps"
@@ -290,9 +292,9 @@ def _initial_energy(layout: Layout, data: Data, links: Sequence[Link]) -> float:
     stiffness = data.elements["p"][0, :, 0]
     deformations = build_term_matrix(layout) @ displacements
     storey_forces = stiffness[:n] * deformations[:n]
-    stored, _ = outcome.compute_energy_of_storeys(layout, deformations[:n], storey_forces, displacements)
+    stored, _ = compute_energy_of_storeys(layout, deformations[:n], storey_forces, displacements)
     lines = layout.of_lines
-    in_lines, _ = outcome.compute_energy_of_lines(layout, deformations[lines], stiffness[lines] * deformations[lines])
+    in_lines, _ = compute_energy_of_lines(layout, deformations[lines], stiffness[lines] * deformations[lines])
     in_links = sum(
         link.law.stored_energy(float(closing), float(k * closing))
         for link, closing, k in zip(links, deformations[layout.of_links], stiffness[layout.of_links], strict=True)
