@@ -24,12 +24,12 @@ def _compile_function(function: Callable, is_part: bool) -> Any:
 
     is_part : as a part of its callers, instead of one that is called
     """
-    known = dict(function.__globals__)
+    scope = dict(function.__globals__)
     for name in function.__code__.co_names:
-        called = known.get(name)
+        called = scope.get(name)
         if isinstance(called, types.FunctionType) and called.__module__.startswith("pounding_cli.laws"):
-            known[name] = _compile_function(called, is_part)
-    copy = types.FunctionType(function.__code__, known, function.__name__, function.__defaults__)
+            scope[name] = _compile_function(called, is_part)
+    copy = types.FunctionType(function.__code__, scope, function.__name__, function.__defaults__)
     return njit(**(PART if is_part else CALLED))(copy)
 
 
@@ -44,11 +44,16 @@ def _build_choice(name: str, arguments: str, is_part: bool) -> Any:
     arguments : of the function, the element first
     is_part : as of `_compile_function`
     """
-    own = {kind: getattr(each, name) for kind, each in enumerate(BEHAVIOURS)}
-    known = {f"of_{kind}": _compile_function(each, is_part) for kind, each in own.items() if each is not None}
-    calls = "".join(f"    if e.kind == {key[3:]}:\n        return {key}({arguments})\n" for key in known)
-    exec(f"def choose({arguments}):\n{calls}    return {list(known)[-1]}({arguments})", known)
-    return njit(**PART)(known["choose"])
+    functions = {}
+    lines = [f"def choose({arguments}):"]
+    for kind, behaviour in enumerate(BEHAVIOURS):
+        function = getattr(behaviour, name)
+        if function is not None:
+            functions[f"of_{kind}"] = _compile_function(function, is_part)
+            lines += [f"    if e.kind == {kind}:", f"        return of_{kind}({arguments})"]
+    lines.append(f"    return {list(functions)[-1]}({arguments})")
+    exec("\n".join(lines), functions)
+    return njit(**PART)(functions["choose"])
 
 
 _next_branch = _build_choice("next_branch", "e, guard", is_part=False)

@@ -55,7 +55,7 @@ def _add_storey_above(dofs, elements, terms, run, series, j, f):
     """Add the pull of the storey j that stands on a held base, which does not move, to the polynomial f."""
     dof = dofs[j]
     el = elements[j]
-    own = dof.w
+    w = dof.w
     foot = dofs[dof.foot].w
     smooth = series[el.row].f
     f[0] += (0.0 if el.smooth else el.k * el.v0 + el.f0) - el.load * (dof.u0 - dofs[j - 1].u0)
@@ -64,7 +64,7 @@ def _add_storey_above(dofs, elements, terms, run, series, j, f):
     if el.twists:
         f[0] += el.coupled_k * elements[el.mate].v0
     for k in range(run.order):
-        rate = own[k] + dof.lean * foot[k]
+        rate = w[k] + dof.lean * foot[k]
         f[k] += el.c * rate
         if el.twists:
             f[k] += el.coupled_c * (mate.w[k] - mate.below * mate_below.w[k])
@@ -74,7 +74,7 @@ def _add_storey_above(dofs, elements, terms, run, series, j, f):
         if el.smooth:
             f[k] += smooth[k]
         if k > 0:
-            moved = own[k - 1]
+            moved = w[k - 1]
             leaned = dof.lean * foot[k - 1]
             f[k] += run.h * INVERSE[k] * ((0.0 if el.smooth else el.k) * (moved + leaned) - el.load * moved)
 
