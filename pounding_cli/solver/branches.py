@@ -52,14 +52,15 @@ def change_branches(dofs, elements, terms, run, series):
             next_branch(el, el.guard)
             if el.slides:
                 hold_or_release(dofs[e], el)
+            has_touched = el.least > -TOUCH
             if was_open and el.closed:
-                el.hits = 1 if el.least > -TOUCH else el.hits + 1
+                el.hits = 1 if has_touched else el.hits + 1
+                if has_touched:
+                    el.time = run.time - run.begun
                 if el.smooth:
                     run.next = max(run.onset, 0.0)
                     run.onset = -1.0
-            if el.least > -TOUCH and was_open and el.closed:
-                el.time = run.time - run.begun
-            elif not el.closed and el.least > -TOUCH and el.peak_v < TOUCH:
+            elif not el.closed and has_touched and el.peak_v < TOUCH:
                 el.time = 0.0
                 el.hits = 0
             el.stuck += 1

@@ -90,26 +90,6 @@ def _take_series_step(dofs, elements, terms, run, series):
 
 
 @njit(**PART)
-def _end_step(dofs, elements, terms, run, series, rooms, scene, is_smooth):
-    """End a step at s = 1, or at its first event; return whether there is one.
-
-    is_smooth : whether DOP853 took the step
-    """
-    evaluate_end(dofs, elements, terms, run)
-    has_event = find_first_event(dofs, elements, terms, run, series)
-    if run.end < 1.0:
-        end_at_event(dofs, elements, terms, run)
-    else:
-        run.end = 1.0
-    if rooms is not None:
-        if is_smooth:
-            end_smooth_step(elements, run, Room(rooms.states[scene], rooms.formulas[scene]))
-    if run.has_sliders:
-        keep_held_forces(elements, run, series)
-    return has_event
-
-
-@njit(**PART)
 def advance(dofs, elements, run):
     """Make the end of this step the start of the next."""
     if run.still:
@@ -244,7 +224,17 @@ def integrate(all_dofs, all_elements, terms, runs, all_series, all_columns, room
                 is_shortened = _take_step(dofs, elements, terms, run, series, rooms, scene)
                 if run.status != DONE:
                     break
-                has_event = _end_step(dofs, elements, terms, run, series, rooms, scene, is_smooth)
+                evaluate_end(dofs, elements, terms, run)
+                has_event = find_first_event(dofs, elements, terms, run, series)
+                if run.end < 1.0:
+                    end_at_event(dofs, elements, terms, run)
+                else:
+                    run.end = 1.0
+                if rooms is not None:
+                    if is_smooth:
+                        end_smooth_step(elements, run, Room(rooms.states[scene], rooms.formulas[scene]))
+                if run.has_sliders:
+                    keep_held_forces(elements, run, series)
                 add_energy(dofs, elements, run, series)
                 raise_peaks(dofs, elements, terms, run, series, columns)
                 if is_pinned and run.end > STANDSTILL:

@@ -36,7 +36,7 @@ def evaluate_end(dofs, elements, terms, run):
         dof.u1 = dof.u0 + h * u
         dof.v1 = v
         dof.a1 = a / h + dof.felt * run.g0 + dof.felt * run.g1
-        # k < k (k - 1) from the third order on
+        # u'' is the sum of k |w_k| times h, and k <= k (k - 1) from the second order on
         dof.du = 0.125 * h * (abs(dof.w[1]) + bend)
         dof.dv = 0.125 * bend
         dof.da = 0.125 * twist / h
