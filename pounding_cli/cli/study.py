@@ -354,7 +354,7 @@ def cite(source: Path, changes: tuple[Change, ...], form: str) -> None:  # fmt: 
         results = open_results(source)
         title = results.title
         question = results.workflow
-        resolved = results.resolved
+        resolved = results.study_data
         methods = tuple(results.methods)
         sources = dict(results.records().drop_duplicates("record").set_index("record")["source"])
     citations = list_citations(resolved, sources, methods, load_question(question).cite)
