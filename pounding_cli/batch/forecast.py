@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pounding_cli.model.effects import NOTHING_ECCENTRIC, TWIST_OF_FLOORS, DroppedEffect, effects_of
-from pounding_cli.solver.assemble import layout_of
-from pounding_cli.solver.kernels import is_compiled, kernel_for, read_rates
+from pounding_cli.solver.kernels import find_kernel, is_compiled, read_rates
+from pounding_cli.solver.layout import build_layout
 
 if TYPE_CHECKING:
     from pounding_cli.model.scene import Scene
@@ -92,8 +92,8 @@ def _format_kind(plan: Plan, scene: Scene) -> str:
 def select_kernel(method: str, time_step: float | None, scene: Scene) -> str:
     """Return the name of the kernel that solves a scene by a method."""
     takes_step = time_step is not None
-    has_smooth = not takes_step and (method == "dop853" or layout_of(scene).has_smooth)
-    return kernel_for(takes_step, has_smooth)
+    has_smooth = not takes_step and (method == "dop853" or build_layout(scene).has_smooth)
+    return find_kernel(takes_step, has_smooth)
 
 
 def measure_rates(plan: Plan, numbers: np.ndarray, seconds: np.ndarray) -> dict[str, float]:

@@ -52,9 +52,9 @@ def accuracy(
     from pounding_cli.api.studies import format_stem, load_study
     from pounding_cli.outputs import check_folder
     from pounding_cli.questions.accuracy import build_report, list_subjects, measure_accuracy
-    from pounding_cli.solver.work_precision import chosen
+    from pounding_cli.solver.work_precision import resolve_methods
 
-    chosen(methods)  # names that are not there are refused before anything is looked at
+    resolve_methods(methods)  # names that are not there are refused before anything is looked at
     loaded = load_study(study, changes)
     list_subjects(loaded, cases, records)
     folder = output or Path("results") / format_stem(study, "accuracy", changes)

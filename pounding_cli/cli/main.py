@@ -40,8 +40,17 @@ COMMANDS = {
 }
 """Every command with its module and the line `pound --help` shows, in the order of a user's day."""
 
-REFUSED, FAULT, STOPPED, NOBODY_READS = 2, 70, 130, 141
-"""Exit codes: refused input; an internal error (EX_SOFTWARE); Ctrl-C and SIGPIPE, as shells count them."""
+REFUSED = 2
+"""Exit code of refused input."""
+
+FAULT = 70
+"""Exit code of an internal error (EX_SOFTWARE)."""
+
+STOPPED = 130
+"""Exit code of Ctrl-C, as shells count it."""
+
+NOBODY_READS = 141
+"""Exit code of SIGPIPE, as shells count it."""
 
 
 class LazyGroup(click.Group):

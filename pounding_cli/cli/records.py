@@ -56,9 +56,11 @@ def list_(set_name: str | None) -> None:
         return
     rows = []
     for name, known in motions.load_catalogue().items():
-        whole, path = motions.load_motion(name), motions.locate_motion(name)[0]
+        whole = motions.load_motion(name)
+        path = motions.locate_motion(name)[0]
         used = whole.cut_to(known.duration)
-        peak, intensity = f"{used.pga / motions.GRAVITY:.3f}", f"{motions.arias(used):.3f}"
+        peak = f"{used.pga / motions.GRAVITY:.3f}"
+        intensity = f"{motions.arias(used):.3f}"
         rows.append(
             (name, known.title, whole.source, peak, intensity, f"{known.duration:g} of {whole.duration:g}", str(path))
         )
@@ -125,17 +127,18 @@ def show(motion: str, window: float | None, output: Path | None, **options: Any)
         read_as = None
     elif is_of_catalogue or (not os.path.exists(motion) and not Path(motion).suffix):
         known = motions.get_entry(motion, motions.MOTION_SETS)
-        found, title, place, read_as = (
-            motions.load_motion(motion),
-            known.title,
-            str(motions.locate_motion(motion)[0]),
-            None,
-        )
+        found = motions.load_motion(motion)
+        title = known.title
+        place = str(motions.locate_motion(motion)[0])
+        read_as = None
         window = window or known.duration
     else:
         reading = motions.read_file(motion, **options)
         _warn_about_step(reading)
-        found, title, place, read_as = reading.motion, Path(motion).name, motion, f"{reading.format}, {reading.words}"
+        found = reading.motion
+        title = Path(motion).name
+        place = motion
+        read_as = f"{reading.format}, {reading.words}"
     if window is not None:
         found = found.cut_to(window)
         if found.pga == 0.0:
@@ -163,7 +166,8 @@ def import_(file: Path, name: str, force: bool, **options: Any) -> None:
     Example:
       pound records import taft111.AT2 --as taft
     """
-    known, target = motions.get_entry(name), motions.user_folder() / f"{name}.txt"
+    known = motions.get_entry(name)
+    target = motions.user_folder() / f"{name}.txt"
     reading = motions.read_file(file, name=name, source="real", **options)
     _warn_about_step(reading)
     motion = reading.motion

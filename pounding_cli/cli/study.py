@@ -98,7 +98,8 @@ def check(study: Path, changes: tuple[Change, ...], output: Path | None) -> None
     from pounding_cli.reading import shorten_path
     from pounding_cli.study.file import kind_of_file
 
-    name, kind = shorten_path(study), kind_of_file(study)
+    name = shorten_path(study)
+    kind = kind_of_file(study)
     if kind in POINT_TITLES:
         from pounding_cli.paper.points import load_sweep
 
@@ -221,7 +222,8 @@ def _describe_plan(plan: Plan) -> list[str]:
     from pounding_cli.study.archetype_words import describe_seen_buildings
     from pounding_cli.study.group import format_meetings
 
-    study, first = plan.study, (0,) * len(plan.axes)
+    study = plan.study
+    first = (0,) * len(plan.axes)
     found = build_forecast(plan)
     step = "" if plan.time_step is None else f"time step {study.unit('time step').text(plan.time_step)}"
     lines = [study.title, f"group      {' | '.join(plan.buildings)}"]
@@ -352,7 +354,7 @@ def cite(source: Path, changes: tuple[Change, ...], form: str) -> None:  # fmt: 
         results = open_results(source)
         title = results.title
         question = results.workflow
-        resolved = results.resolved
+        resolved = results.study_data
         methods = tuple(results.methods)
         sources = dict(results.records().drop_duplicates("record").set_index("record")["source"])
     citations = list_citations(resolved, sources, methods, load_question(question).cite)

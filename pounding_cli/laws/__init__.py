@@ -10,7 +10,7 @@ from pounding_cli.laws.bouc_wen import BoucWen
 from pounding_cli.laws.formula import WrittenLaw
 from pounding_cli.laws.foundation import Rocking, Sway
 from pounding_cli.laws.hertz import Hertz, HertzDamp, Jankowski
-from pounding_cli.laws.imk import PeakOriented, PeakOrientedImk, PinchingImk
+from pounding_cli.laws.imk import PeakOrientedImk, PeakOrientedLaw, PinchingImk
 from pounding_cli.laws.infill import Infill, InfillOnColumns
 from pounding_cli.laws.joints import Connector, Damper, Friction, Maxwell, Viscous
 from pounding_cli.laws.law import JOINED, Behaviour, Law, LinkLaw
@@ -31,7 +31,7 @@ BUILT_IN: tuple[type[Law], ...] = (
     Jankowski,
     BilinearContact,
     Bilinear,
-    PeakOriented,
+    PeakOrientedLaw,
     PeakOrientedImk,
     PinchingImk,
     BoucWen,

@@ -16,13 +16,21 @@ _K, _LIMIT, _A = range(3)
 _PLASTIC = 0
 """History variable: plastic drift of the last unloading [m]."""
 
-_LOWER, _ELASTIC, _UPPER = -1, 0, 1
-"""Branches: elastic, and the two yield lines."""
+_LOWER = -1
+"""Branch of the lower yield line."""
+
+_ELASTIC = 0
+"""Branch between the yield lines."""
+
+_UPPER = 1
+"""Branch of the upper yield line."""
 
 
 def next_bilinear_branch(e: Any, guard: int) -> None:
     """From the elastic line to a yield line, and back where the drift turns."""
-    k, limit, a = e.p[_K], e.p[_LIMIT], e.p[_A]
+    k = e.p[_K]
+    limit = e.p[_LIMIT]
+    a = e.p[_A]
     if e.branch == _ELASTIC and guard != START:
         e.branch = _UPPER if guard == HIGH else _LOWER
         set_line(e, a * k, e.c, e.branch * (1.0 - a) * k * limit, -math.inf, math.inf, e.branch)

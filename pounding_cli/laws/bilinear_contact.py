@@ -23,7 +23,9 @@ _OPEN, _ELASTIC, _YIELDING, _UNLOADING, _RETURNING = range(5)
 
 def next_bilinear_contact_branch(e: Any, guard: int) -> None:
     """Elastic up to the yield; unloading along K1 over the same closing, then returning along K2."""
-    k1, k2, limit = e.p[_K1], e.p[_K2], e.p[_LIMIT]
+    k1 = e.p[_K1]
+    k2 = e.p[_K2]
+    limit = e.p[_LIMIT]
     if guard == START or (guard == LOW and e.low == 0.0):
         set_open(e)
     elif guard == SLOWER or guard == FASTER:
@@ -92,7 +94,8 @@ class BilinearContact(LinkLaw):
     @property
     def stiffnesses(self) -> tuple[float, float]:
         """K1 and K2 [N/m]."""
-        effective, share = self.hertz_stiffness * self.penetration**0.5, self.damping_formula.share(self.restitution)
+        effective = self.hertz_stiffness * self.penetration**0.5
+        share = self.damping_formula.share(self.restitution)
         return effective * (1.0 + share / self.yield_share), effective * (1.0 - share / (1.0 - self.yield_share))
 
     def element_parameters(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
@@ -101,7 +104,8 @@ class BilinearContact(LinkLaw):
 
     def stored_energy(self, closing: float, force: float) -> float:
         """Return the energy given back from a closing reached by pressing from the gap [J]."""
-        (k1, k2, limit), v = self.element_parameters(1.0, 1.0), max(closing - self.offset, 0.0)
+        k1, k2, limit = self.element_parameters(1.0, 1.0)
+        v = max(closing - self.offset, 0.0)
         if v <= limit:
             return 0.5 * k1 * v**2
         beyond = v - limit

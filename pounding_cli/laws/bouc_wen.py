@@ -25,7 +25,8 @@ NEGLIGIBLE_SHARE = 1e-14
 
 def next_bouc_wen_branch(e: Any, guard: int) -> None:
     """Elastic from rest; then by the signs of the rate and of z, which a branch holds."""
-    k, limit = e.p[_K], e.p[_LIMIT]
+    k = e.p[_K]
+    limit = e.p[_LIMIT]
     if guard == START:  # z = D / Dy but for |z|^(n + 1)
         counts = limit * NEGLIGIBLE_SHARE ** (1.0 / (e.p[_EXPONENT] + 1.0))
         e.branch = _ELASTIC

@@ -99,7 +99,8 @@ class FrictionPendulum(Isolation):
 
     def law_under(self, weight: float) -> Bilinear | Slider:
         """Strength mu W, stiffness W / R."""
-        strength, stiffness = self.friction * weight, weight / self.radius
+        strength = self.friction * weight
+        stiffness = weight / self.radius
         if self.yield_displacement == 0.0:
             return Slider(stiffness, strength)
         return _bilinear(strength, stiffness, self.yield_displacement)

@@ -200,8 +200,10 @@ _DASHPOT = 1
 """Parameter of Jankowski's contact besides k_h: dashpot 2 xi sqrt(k_h m') of v^0.25 v'."""
 
 _APPROACH = 1
+"""Branch of floors that press each other further, in Jankowski's contact."""
+
 _RELEASE = 2
-"""Branches of Jankowski's contact."""
+"""Branch of floors that move apart again."""
 
 
 def next_jankowski_branch(e: Any, guard: int) -> None:

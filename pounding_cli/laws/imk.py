@@ -221,7 +221,7 @@ NO_DETERIORATION = (1.0, 0.0, math.inf, *(math.inf,) * 4, 1.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
-class PeakOriented(StoreyLaw):
+class PeakOrientedLaw(StoreyLaw):
     """Bilinear backbone, unloading with the initial stiffness to zero shear, reloading in a straight line towards the
     largest drift so far on that side (Clough; stiffness-degrading or peak-oriented)."""
 

@@ -19,11 +19,13 @@ NEGLIGIBLE_BENDING = 1e-9
 """Flexibility of a spring in series times the largest stiffness of an infill [-] below which the spring is left out."""
 
 HELD_WIDTH_SHARE = 1e-7
-MIN_HELD_WIDTH = 1e-10
-"""Width of the jump of eq. (9) as printed, for floors that pass it slowly: part of the thickness, and at least [m].
+"""Width of the jump of eq. (9) as printed, for floors that pass it slowly, over the thickness [-].
 
 A push between the two forces at the jump holds the floors there. They would swing through it ever faster, an endless
 number of times; a spring across this width holds them instead."""
+
+MIN_HELD_WIDTH = 1e-10
+"""Least such width [m]."""
 
 _K, _CUBIC, _ROOT, _K_BEYOND, _F0_BEYOND, _THICKNESS, _CUTS, _HELD_RATE = range(8)
 """Parameters: spring [N/m], cubic [N/m3] and dashpot over sqrt(stiffness) [sqrt(kg)] of the material; spring [N/m] and
@@ -45,7 +47,8 @@ def width_of_jump(thickness: float) -> float:
 def set_inside(e: Any) -> None:
     """Set the force inside the thickness."""
     set_line(e, e.p[_K], 0.0, 0.0, 0.0, e.p[_THICKNESS])
-    e.cubic, e.root = e.p[_CUBIC], e.p[_ROOT]
+    e.cubic = e.p[_CUBIC]
+    e.root = e.p[_ROOT]
 
 
 def set_beyond(e: Any) -> None:
@@ -258,7 +261,8 @@ def next_branch_on_columns(e: Any, guard: int) -> None:
         branch -= 1 if has_jump or branch != _PAST else 2
     if branch == _LIGHT:
         set_line(e, e.p[_K_LIGHTLY], 0.0, 0.0, 0.0, e.p[_LIGHTLY])
-        e.cubic, e.root = e.p[_CUBIC_LIGHTLY], e.p[_ROOT]
+        e.cubic = e.p[_CUBIC_LIGHTLY]
+        e.root = e.p[_ROOT]
     elif branch == _CURVED:
         set_line(e, 0.0, 0.0, 0.0, e.p[_LIGHTLY], e.p[_THICKNESS])
         e.smooth = 1

@@ -12,8 +12,10 @@ from functools import cache, cached_property
 from typing import Any, ClassVar
 
 PARAMETERS = 16
+"""Room in the record of an element for the parameters p of its law."""
+
 HISTORY = 14
-"""Room in the record of an element for the parameters p and the history variables h of its law."""
+"""Room in the record of an element for the history variables h of its law."""
 
 REFERENCE_CLOSING = 0.01
 """Closing [m] at which the slope of a force that stiffens without end is taken: floors press each other by
@@ -80,7 +82,8 @@ class Law:
 
     def __post_init__(self) -> None:
         for each in fields(self):
-            declared, value = each.metadata.get("parameter"), getattr(self, each.name)
+            declared = each.metadata.get("parameter")
+            value = getattr(self, each.name)
             if declared is None or isinstance(value, str | bool):
                 continue
             if wrong := declared.describe_issue(value):
@@ -122,7 +125,11 @@ class Behaviour:
 def set_line(e: Any, k: float, c: float, f0: float, low: float, high: float, way: int = 0) -> None:
     """Set F = k v + c v' + f0 [N/m, N s/m, N] for low < v < high [m], while v rises (`way` 1), falls (-1), or either
     way (0), with no other guard; the element acts."""
-    e.k, e.c, e.f0, e.low, e.high = k, c, f0, low, high
+    e.k = k
+    e.c = c
+    e.f0 = f0
+    e.low = low
+    e.high = high
     e.slow = 0.0 if way > 0 else -math.inf
     e.fast = 0.0 if way < 0 else math.inf
     e.cubic = e.root = 0.0

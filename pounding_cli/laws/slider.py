@@ -13,8 +13,14 @@ from pounding_cli.laws.storey import StoreyLaw
 _K, FRICTION = range(2)
 """Parameters: stiffness of the surface W / R [N/m], friction mu W [N]."""
 
-_LEFTWARDS, _STUCK, _RIGHTWARDS = -1, 0, 1
-"""Branches: sliding to either side, and held where it is."""
+_LEFTWARDS = -1
+"""Branch of sliding to the left."""
+
+_STUCK = 0
+"""Branch of a slider that is held where it is."""
+
+_RIGHTWARDS = 1
+"""Branch of sliding to the right."""
 
 
 def next_slider_branch(e: Any, guard: int) -> None:

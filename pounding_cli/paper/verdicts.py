@@ -107,7 +107,7 @@ def judge_claims(results: ResultTables) -> pd.DataFrame:
     (`claims: fig6` or `claims: fig7`).
     """
     axes = [names[0] for names in results.swept]
-    numbers = evaluate_claims(_add_motions(results.data, results.data), axes, results.resolved.get("claims"))
+    numbers = evaluate_claims(_add_motions(results.data, results.data), axes, results.study_data.get("claims"))
     places = []
     for point in product(*(list_points(results, keys) for keys in results.swept)):
         swept = dict(zip(results.axes, chain(*point), strict=True))
@@ -194,7 +194,7 @@ def list_claim_sections(results: ResultTables) -> list[Section]:
         "A claim holds if every number meets its threshold, holds partly if some do, does not hold if none does. The "
         f"verdict is that by the {MEAN}; in brackets that by the {LARGEST}, where it is another one."
     )
-    sentences = [summarize_verdicts(here, results.resolved["claims"]), rule]
+    sentences = [summarize_verdicts(here, results.study_data["claims"]), rule]
     every = build_table("claims", numbers, _show_on_page(COLUMNS), caption="Every number at every point")
     return [
         Section("The paper’s claims", sentences, [build_claims_table(here)]),

@@ -69,9 +69,9 @@ def describe_seen(building: Mapping[str, Any], name: str) -> str:
 
 def note_median_buildings(results: ResultTables) -> str:
     """Return which buildings are the median ones of what they may be; "" where all are certain."""
-    buildings = results.resolved["buildings"]
+    buildings = results.study_data["buildings"]
     seen = []
-    for name in dict.fromkeys(results.resolved["group"]):
+    for name in dict.fromkeys(results.study_data["group"]):
         archetype = buildings[name].get(KEY)
         if archetype and archetype["uncertain"] and archetype["sample"] == 0:
             seen.append(describe_seen(buildings[name], name))

@@ -108,7 +108,7 @@ def describe_dashpots(results: ResultTables) -> list[str]:
     if any(key.split(".")[-1] in ("damping_ratio", "restitution") for key in results.axes):
         return []
     cases: dict[tuple[float, float], list[str]] = {}
-    for name, case in results.resolved["cases"].items():
+    for name, case in results.study_data["cases"].items():
         for link in case["links"]:
             law = link_laws().get(link["link"])
             if law is not None and not law.subtracts_gap and "damping_ratio" in link:
@@ -184,7 +184,7 @@ def _motions_as_written(results: ResultTables) -> tuple[pd.DataFrame, dict[str, 
 
 def _target_code(results: ResultTables) -> str | None:
     """Return the code of the target spectrum that the study writes; None without one."""
-    scale = results.resolved["records"]["scale"]
+    scale = results.study_data["records"]["scale"]
     target = scale.get("target") if isinstance(scale, dict) else None
     return target.get("code") if isinstance(target, dict) else None
 

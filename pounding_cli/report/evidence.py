@@ -82,8 +82,8 @@ class Evidence:
 
     def building_of_study(self, place: str) -> dict[str, Any]:
         """Return the building of the study that stands at a place of the group."""
-        number = self.results.resolved["places"].index(place)
-        return dict(self.results.resolved["buildings"][self.results.resolved["group"][number]])
+        number = self.results.study_data["places"].index(place)
+        return dict(self.results.study_data["buildings"][self.results.study_data["group"][number]])
 
     def rows_here(self, frame: pd.DataFrame) -> pd.DataFrame:
         """Return the rows of a table of the whole file at this point; swept keys that are no column do not matter."""
@@ -127,7 +127,7 @@ class Evidence:
     @cached_property
     def main_building(self) -> str:
         """The building that comes first: `report: {building: NAME}` of the study, else the one of shortest period."""
-        chosen = (self.results.resolved.get("report") or {}).get("building")
+        chosen = (self.results.study_data.get("report") or {}).get("building")
         if chosen in self.group:
             return str(chosen)
         return min(self.buildings_without_walls, key=lambda name: self.periods[name])
@@ -135,7 +135,7 @@ class Evidence:
     @cached_property
     def plotted_cases(self) -> list[str]:
         """The cases of the figures: `report: {plot: [..]}` of the study, else all of them; at most MOST_CASES."""
-        chosen = (self.results.resolved.get("report") or {}).get("plot") or self.cases
+        chosen = (self.results.study_data.get("report") or {}).get("plot") or self.cases
         return [case for case in self.cases if case in chosen][:MOST_CASES]
 
     def values(self, name: str, **places: str) -> np.ndarray:
@@ -209,7 +209,7 @@ def find_nominal(results: ResultTables) -> Evidence:
 
 def find_written_value(results: ResultTables, key: str) -> Any:
     """Return the value of a swept key in the study without its sweep; None where it writes none."""
-    return _get_at(results.resolved, key.split("."))
+    return _get_at(results.study_data, key.split("."))
 
 
 def _get_at(tree: Any, path: Iterable[str]) -> Any:

@@ -154,7 +154,7 @@ def _read_outline(evidence: Evidence, number: int, name: str) -> PlanOutline:
 
 def _find_depth(evidence: Evidence, number: int, width: float) -> tuple[float, str]:
     """Return the depth of a plan [m], and where its guess comes from; "" where the study has it."""
-    building = evidence.results.resolved["group"][number]
+    building = evidence.results.study_data["group"][number]
     plan = evidence.building_of_study(evidence.group[number]).get("plan") or {}
     written = evidence.point.get(f"buildings.{building}.plan.depth", plan.get("depth"))
     if written is not None:

@@ -89,7 +89,7 @@ def compare(first: ResultTables, second: ResultTables) -> Comparison:
     errors = [pair.read(rows, "error_estimate") for rows in (before, after)]
     return Comparison(
         lines=[line for line in lines if not line.startswith(("---", "+++", "@@"))],
-        keys=changed_keys(first.resolved, second.resolved),
+        keys=changed_keys(first.study_data, second.study_data),
         software=_compare_software(first.attrs, second.attrs),
         removed=[place for place in before.number_of if place not in after.number_of],
         added=[place for place in after.number_of if place not in before.number_of],

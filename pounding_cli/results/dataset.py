@@ -281,7 +281,9 @@ def _coordinates(plan: Plan) -> dict[str, Array]:
             text = f"swept with {axis.names[0]}" if column else f"swept: {name}"
             written = axis.units[column] if is_numeric else replace(axis.units[column], si="")
             found[name] = Array((axis.names[0],), array, {"long_name": text} | unit_attributes(written))
-    storeys, places, names = np.arange(1, max_storeys(plan) + 1), plan.links.places, plan.buildings
+    storeys = np.arange(1, max_storeys(plan) + 1)
+    places = plan.links.places
+    names = plan.buildings
     values: dict[str, Any] = {
         "case": plan.cases, "analysis": plan.analyses, "record": plan.records, "building": names,
         "storey": storeys, "floor": storeys,
@@ -316,9 +318,10 @@ def _facts(plan: Plan, axes: tuple[str, ...]) -> dict[str, Array]:
         """Return what `value` gives at all combinations of the values of the axes that change a section."""
         touched = study.axes_changing(section)
         sizes = [len(plan.axes[k].values) for k in touched]
-        each, found = [value(at) for at in iter_section_points(plan, section)], {}
+        at_points = [value(at) for at in iter_section_points(plan, section)]
+        found = {}
         for v in declared:
-            array = np.array([one[v.name] for one in each], object if v.kind == "s" else float)
+            array = np.array([values[v.name] for values in at_points], object if v.kind == "s" else float)
             found[v.name] = array.reshape(*sizes, *array.shape[1:])
         changing = list[str]()
         for axis in (axes[k] for k in touched):  # without those that change nothing after all

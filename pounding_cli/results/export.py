@@ -59,7 +59,8 @@ def export(
         what = f"{form} needs the package {_NEEDS[form]}, which is not installed"
         raise InputError(Problem(what, f"pip install {_NEEDS[form]}")) from None
     is_folder = form in ("csv", "parquet") and named is None
-    stem, chosen = results.path.with_suffix(""), tuple(dict.fromkeys(tables)) or results.tables
+    stem = results.path.with_suffix("")
+    chosen = tuple(dict.fromkeys(tables)) or results.tables
     path = output or Path(f"{stem}-{form}" if is_folder else f"{stem}{FORMATS[form]}")
     if form == "netcdf":
         if tables:
@@ -79,7 +80,8 @@ def export(
         raise InputError(Problem(f"{path} takes one table, not {len(chosen)}", hint))
     files = {path / f"{name}{FORMATS[form]}": name for name in chosen} if is_folder else {path: chosen[0]}
     if is_folder:
-        files[path / "columns.csv"], frames["columns"] = "columns", columns
+        files[path / "columns.csv"] = "columns"
+        frames["columns"] = columns
     for file, name in files.items():
         check_output(file, [results.path], partial(_is_table, frames[name]))
     return [

@@ -244,7 +244,8 @@ def _check(group: h5py.h5g.GroupID, path: Path, size: int) -> None:
         if isinstance(item, h5py.h5g.GroupID):
             _check(item, path, size)
         elif isinstance(item, h5py.h5d.DatasetID):
-            plan, stored = item.get_create_plist(), item.get_storage_size()
+            plan = item.get_create_plist()
+            stored = item.get_storage_size()
             if plan.get_external_count() or plan.get_layout() == h5py.h5d.VIRTUAL:
                 raise _bad(path, f"takes the values of {name!r} from elsewhere")
             most = max(SMALL, stored * (MOST_COMPRESSED if plan.get_nfilters() else 1))

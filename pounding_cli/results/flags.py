@@ -9,7 +9,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from pounding_cli.numbers import Unit, pluralize
-from pounding_cli.solver.outcome import is_meaningless
+from pounding_cli.solver.flags import is_meaningless
 from pounding_cli.solver.response import OUTCOMES
 
 if TYPE_CHECKING:

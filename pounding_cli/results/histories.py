@@ -197,7 +197,9 @@ class History:
             if name not in self.dataset:
                 continue
             frame = self.frame(name)
-            unit, frame = frame.attrs["units"], frame if name == "closing" else frame.abs()
+            unit = frame.attrs["units"]
+            if name != "closing":
+                frame = frame.abs()
             whole = [frame]
             if frame.columns.nlevels > 1:
                 whole = [frame[[each]] for each in self.buildings if each in frame.columns.get_level_values(0)]
@@ -208,7 +210,8 @@ class History:
         return frame.set_axis(pd.MultiIndex.from_tuples(found, names=["quantity", "where"]))
 
     def __repr__(self) -> str:
-        time, links = self.time, self.frame("link_force").shape[1]
+        time = self.time
+        links = self.frame("link_force").shape[1]
         step = f" every {1000 * time[1]:.4g} ms" if time.size > 1 else ""
         said = f"{pluralize(links, 'link')}; {time[-1]:.4g} s{step}, {pluralize(time.size, 'time')}"
         return f"History({', '.join(self.buildings)}; {said})"
@@ -275,7 +278,8 @@ def history_key(plan: Plan) -> str:
 
 def encode_history(history: Mapping[str, Any]) -> Row:
     """Return a history of `solver.histories` as a row: names, dimensions and texts as JSON, and its numbers."""
-    heads, parts = [], []
+    heads = []
+    parts = []
     for name, (dims, values, attrs) in history.items():
         array = np.asarray(values)
         is_text = array.dtype.kind in "OU"
@@ -288,7 +292,8 @@ def encode_history(history: Mapping[str, Any]) -> Row:
 
 def decode_history(row: Row) -> dict[str, tuple[tuple[str, ...], np.ndarray, dict[str, Any]]]:
     """Return the history of a row of `encode_history`."""
-    heads, numbers = json.loads(row[0]), row[1]
+    heads = json.loads(row[0])
+    numbers = row[1]
     history = {}
     begin = 0
     for head in heads:

@@ -16,11 +16,11 @@ def to_variable(array: Array) -> xr.Variable:
     """Return an array as a variable of xarray."""
     data: Any = array.data
     if isinstance(data, StoredValues):
-        data = indexing.LazilyIndexedArray(_Stored(data))
+        data = indexing.LazilyIndexedArray(_LazyValues(data))
     return xr.Variable(array.dims, data, dict(array.attrs), fastpath=True)  # otherwise it asks Dask of each
 
 
-class _Stored(BackendArray):
+class _LazyValues(BackendArray):
     """Values of a file as xarray asks for them; a pickle holds the values."""
 
     def __init__(self, stored: StoredValues) -> None:
@@ -28,7 +28,7 @@ class _Stored(BackendArray):
         self.shape = stored.shape
         self.dtype = stored.dtype
 
-    def __deepcopy__(self, memo: dict[int, Any]) -> _Stored:
+    def __deepcopy__(self, memo: dict[int, Any]) -> _LazyValues:
         return self
 
     def __reduce__(self) -> tuple[Any, ...]:

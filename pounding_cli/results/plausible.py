@@ -229,5 +229,5 @@ def _format_place(results: ResultTables, index: Mapping[str, int], hidden: Seque
 
 def _building_of_study(results: ResultTables, place: str) -> dict[str, Any]:
     """Return what the study says of the building at a place of the group."""
-    number = results.resolved["places"].index(place)
-    return dict(results.resolved["buildings"][results.resolved["group"][number]])
+    number = results.study_data["places"].index(place)
+    return dict(results.study_data["buildings"][results.study_data["group"][number]])

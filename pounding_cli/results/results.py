@@ -129,15 +129,15 @@ class ResultTables:
         }
 
     @cached_property
-    def resolved(self) -> dict[str, Any]:
+    def study_data(self) -> dict[str, Any]:
         """The study with every default filled in, SI."""
         return escape_controls_in_tree(json.loads(self.resolved_text))
 
     @cached_property
     def walls(self) -> tuple[str, ...]:
         """The walls of the group, by place."""
-        places = zip(self.resolved["places"], self.resolved["group"], strict=True)
-        return tuple(place for place, name in places if self.resolved["buildings"][name].get("wall"))
+        places = zip(self.study_data["places"], self.study_data["group"], strict=True)
+        return tuple(place for place, name in places if self.study_data["buildings"][name].get("wall"))
 
     def value_label(self, key: str, value: Any) -> str:
         """Return a value of a swept key (SI, as in the tables) as people read it: "5 cm"; texts as they are."""
@@ -148,7 +148,7 @@ class ResultTables:
 
         kind : name of the law, as the table of links has it
         """
-        written = (self.resolved.get("laws") or {}).get(kind)
+        written = (self.study_data.get("laws") or {}).get(kind)
         return WRITTEN_LAWS[written["acts"]].symbol if written else link_symbol(kind)
 
     def is_contact(self, kind: str) -> bool:

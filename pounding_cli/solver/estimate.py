@@ -1,4 +1,4 @@
-"""How far a response can be trusted: its numerical error, and how much a small change of the motion moves it.
+"""The numerical error of a response, and its sensitivity: how much a small change of the motion moves it.
 
 The two are different things. A tight tolerance removes the first; the second belongs to the scene, whatever the
 method: a contact or a yielding storey that only just happens, or just does not, amplifies the last digit of the
@@ -68,41 +68,45 @@ BESIDE_FIXED_STEPS = 1e-9
 """Accuracy of the Taylor run that a fixed-step method is judged by."""
 
 
-def finer(accuracy: float) -> float:
-    """Accuracy of the run that one at `accuracy` is judged by [-]."""
+def refine_accuracy(accuracy: float) -> float:
+    """Return the accuracy of the run by which one at `accuracy` is judged [-]."""
     return max(accuracy * TIGHTER, FINEST)
 
 
 @functools.lru_cache(maxsize=16)
-def nudged_motion(motion: Motion, nudge: float = NUDGE) -> Motion:
-    """The motion, stronger by `nudge` [-] at its end and by less before."""
+def nudge_motion(motion: Motion, nudge: float = NUDGE) -> Motion:
+    """Return the motion, stronger by `nudge` [-] at its end and by less before."""
     growth = 1 + nudge * np.linspace(0.0, 1.0, motion.acceleration.size)
     return Motion(motion.name, motion.dt, motion.acceleration * growth, motion.source)
 
 
-def change(first: Response, second: Response) -> float:
-    """Largest relative change of the peak shear or drift of any storey or frame line between two responses of the same
-    buildings [-], as `difference`."""
-    a, b = first.peaks, second.peaks
-    sizes = scene_sizes(first, second)
+def find_change(first: Response, second: Response) -> float:
+    """Return the largest relative change of the peak shear or drift of any storey or frame line [-].
+
+    It is between two responses of the same buildings, and as of `find_difference`.
+    """
+    a = first.peaks
+    b = second.peaks
+    sizes = find_scene_sizes(first, second)
     names = ("shear", "drift", "line_shear", "line_drift") if count_lines(a) else ("shear", "drift")
-    found = [_compared(a[name], b[name], a[name], sizes[name]) for name in names]
-    return _largest(first, second, found)
+    found = [_build_triple(a[name], b[name], a[name], sizes[name]) for name in names]
+    return _find_largest_difference(first, second, found)
 
 
-def difference(first: Response, second: Response) -> float:
-    """Largest relative difference of any number of two responses of the same scene [-]; nan when either run did not
-    end, inf where only one collapses, or another storey does.
+def find_difference(first: Response, second: Response) -> float:
+    """Return the largest relative difference of any number of two responses of the same scene [-].
+
+    It is nan when either run did not end, and inf where only one collapses, or another storey does.
 
     Shears and drifts of storeys, lines and edges (and with them ductilities), accelerations, sways, rockings and twists
-    are relative to themselves,
-    displacements to the floor's largest either way, drifts at the end to the storey's largest, and the forces,
-    closings, impulses and contact times of links to the largest of their kind in the scene. A number below 1e-8 of the
-    scene's size, `scene_sizes`, counts as zero, and a link that presses by rounding as one that does not. Counts are
-    left out, and so are energies, whose error is the ledger's residual.
+    are relative to themselves, displacements to the floor's largest either way, drifts at the end to the storey's
+    largest, and the forces, closings, impulses and contact times of links to the largest of their kind in the scene. A
+    number below 1e-8 of the scene's size, `find_scene_sizes`, counts as zero, and a link that presses by rounding as
+    one that does not. Counts are left out, and so are energies, whose error is the ledger's residual.
     """
-    a, b = first.peaks, second.peaks
-    sizes = scene_sizes(first, second)
+    a = first.peaks
+    b = second.peaks
+    sizes = find_scene_sizes(first, second)
     reach = np.maximum(a["displacement_max"], -a["displacement_min"])
     scales = {"displacement_max": reach, "displacement_min": reach, "residual_drift": a["drift"]}
     for name in ("peak_force", "max_closing", "impulse"):
@@ -112,12 +116,12 @@ def difference(first: Response, second: Response) -> float:
     if count_lines(a):
         scales |= {name: a[name] for name in ("line_shear", "line_drift", *TURNS)}
         scales["line_residual_drift"] = a["line_drift"]
-    found = [_compared(a[name], b[name], scale, sizes[name]) for name, scale in scales.items()]
+    found = [_build_triple(a[name], b[name], scale, sizes[name]) for name, scale in scales.items()]
     presses = np.maximum(a["peak_force"], b["peak_force"]) > ROUNDING * sizes["peak_force"]
     time, other_time = (np.where(presses, each["contact_time"], 0.0) for each in (a, b))
     found.append((time, other_time, np.full_like(time, time.max(initial=0.0))))
     found.append((a["collapse_time"], b["collapse_time"], a["collapse_time"]))
-    return _largest(first, second, found)
+    return _find_largest_difference(first, second, found)
 
 
 LENGTHS = "drift", "displacement_max", "displacement_min", "residual_drift", "sway", "max_closing"
@@ -128,24 +132,30 @@ ARM = 1.0
 """Distance from the centres of mass at which a twist is told from nothing by what it moves [m]."""
 
 
-def scene_sizes(first: Response, second: Response) -> dict[str, float]:
-    """Return the size of the scene of two responses for each of its numbers, in the number's unit: the largest length,
-    force, acceleration and rotation in either, and the impulse of the largest force over the longest contact."""
+def find_scene_sizes(first: Response, second: Response) -> dict[str, float]:
+    """Return the size of the scene of two responses for each of its numbers, in the number's unit.
+
+    It is the largest length, force, acceleration and rotation in either, and the impulse of the largest force over the
+    longest contact.
+    """
     both = first.peaks, second.peaks
     has_lines = count_lines(first.peaks) > 0
     lengths = (*LENGTHS, *LENGTHS_OF_LINES) if has_lines else LENGTHS
     forces = (*FORCES, "line_shear") if has_lines else FORCES
-    largest = {name: _largest_of(both, name) for name in (*lengths, *forces, "acceleration", "rocking", "contact_time")}
+    largest = {
+        name: _find_largest(both, name) for name in (*lengths, *forces, "acceleration", "rocking", "contact_time")
+    }
     length = max(largest[name] for name in lengths)
     force = max(largest[name] for name in forces)
     sizes = dict.fromkeys(lengths, length) | dict.fromkeys(forces, force)
     sizes["twist"] = length / ARM
-    sizes["acceleration"], sizes["rocking"] = largest["acceleration"], largest["rocking"]
+    sizes["acceleration"] = largest["acceleration"]
+    sizes["rocking"] = largest["rocking"]
     sizes["impulse"] = force * largest["contact_time"]
     return sizes
 
 
-def _largest_of(both: Iterable[np.void], name: str) -> float:
+def _find_largest(both: Iterable[np.void], name: str) -> float:
     """Return the largest absolute value of a number in two responses; walls that move as the ground does have none."""
     return max(float(np.fmax.reduce(np.abs(peaks[name]).ravel(), initial=0.0)) for peaks in both)
 
@@ -154,7 +164,7 @@ Triple = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Values of two responses, and what their difference is relative to."""
 
 
-def _compared(first: np.ndarray, second: np.ndarray, scale: np.ndarray, size: float) -> Triple:
+def _build_triple(first: np.ndarray, second: np.ndarray, scale: np.ndarray, size: float) -> Triple:
     """Return values of two responses with their scale, zero where all three are below 1e-8 of the scene's size."""
     largest = np.maximum(np.maximum(np.abs(first), np.abs(second)), np.abs(scale))
     is_nothing = largest < NOTHING * size
@@ -162,9 +172,11 @@ def _compared(first: np.ndarray, second: np.ndarray, scale: np.ndarray, size: fl
     return one, other, relative_to
 
 
-def _largest(first: Response, second: Response, triples: Iterable[Triple]) -> float:
-    """Largest |x - y| over the largest of |x|, |y| and |scale|, of triples of these; 0 where all three are. Walls that
-    move as the ground does have no numbers."""
+def _find_largest_difference(first: Response, second: Response, triples: Iterable[Triple]) -> float:
+    """Return the largest |x - y| over the largest of |x|, |y| and |scale|, of triples of these; 0 where all are [-].
+
+    Walls that move as the ground does have no numbers.
+    """
     if not (first.has_result and second.has_result):
         return float("nan")
     fallen, other_fallen = (np.nan_to_num(each.peaks["collapse_storey"]) for each in (first, second))
@@ -176,8 +188,9 @@ def _largest(first: Response, second: Response, triples: Iterable[Triple]) -> fl
 
 
 def assess(scenes: Sequence[Scene], responses: Sequence[Response], accuracy: float) -> list[Response]:
-    """Responses of one method with their estimated errors [-], their sensitivities [-] and flags that say so where
-    either is too large.
+    """Return responses with their estimated errors and sensitivities, and flags where either is too large.
+
+    All are of one method.
 
     One run tells both, at an accuracy a thousand times finer and with a motion that grows by a hundredth of the
     accuracy on its way: the difference is what the error is at most, and over the nudge what the sensitivity is at
@@ -185,52 +198,59 @@ def assess(scenes: Sequence[Scene], responses: Sequence[Response], accuracy: flo
     fixed steps, each is told by a run of its own:
 
     error_estimate : difference against a run at an accuracy a thousand times finer; of a fixed-step method, against
-        Taylor
-    sensitivity : change when the motion grows by 1e-6 on its way, over 1e-6; at most about 1 for a linear scene
+        Taylor [-]
+    sensitivity : change when the motion grows by 1e-6 on its way, over 1e-6; at most about 1 for a linear scene [-]
 
     A finer run replaces a response that misses the accuracy asked by its own estimate, and is then assessed by a still
     finer one, until the estimate meets the accuracy or double precision is not enough. In that case, or if rounding may
     be near the accuracy, two more runs show the scatter of the numbers.
     """
-    known, open_ones = list(responses), [number for number, each in enumerate(responses) if each.has_result]
+    known = list(responses)
+    open_ones = [number for number, each in enumerate(responses) if each.has_result]
     method = responses[0].method if responses else "taylor"
     if accuracy >= FINEST_AT_ONCE and not METHODS[method].takes_step:
         nudge = min(LITTLE * accuracy, NUDGE)
-        judges = solver.solve_all([_nudged(scenes[each], nudge) for each in open_ones], finer(accuracy), method)
+        judges = solver.solve_all(
+            [_nudge_scene(scenes[each], nudge) for each in open_ones], refine_accuracy(accuracy), method
+        )
         for number, judge in zip(tuple(open_ones), judges, strict=True):
             first = responses[number]
-            error, sensitivity = difference(first, judge), change(first, judge) / nudge
+            error = find_difference(first, judge)
+            sensitivity = find_change(first, judge) / nudge
             if error <= HARMLESS * accuracy and sensitivity <= HARMLESS * ILL_CONDITIONED:
                 known[number] = dataclasses.replace(first, error_estimate=error, sensitivity=sensitivity)
                 open_ones.remove(number)
     for number in open_ones:
-        known[number] = _looked_at_closely(scenes[number], responses[number], accuracy)
+        known[number] = _assess_closely(scenes[number], responses[number], accuracy)
     return known
 
 
-def _nudged(scene: Scene, nudge: float) -> Scene:
-    return dataclasses.replace(scene, motion=nudged_motion(scene.motion, nudge))
+def _nudge_scene(scene: Scene, nudge: float) -> Scene:
+    """Return the scene with its motion nudged."""
+    return dataclasses.replace(scene, motion=nudge_motion(scene.motion, nudge))
 
 
-def _looked_at_closely(scene: Scene, response: Response, accuracy: float) -> Response:
-    """A response that is assessed by runs of its own."""
+def _assess_closely(scene: Scene, response: Response, accuracy: float) -> Response:
+    """Return a response that is assessed by runs of its own."""
     fixed = METHODS[response.method].takes_step
-    method, tight = ("taylor", BESIDE_FIXED_STEPS) if fixed else (response.method, finer(accuracy))
-    second, nudged = solver.solve_all([scene, _nudged(scene, NUDGE)], tight, method)
-    sensitivity = change(second, nudged) / NUDGE
-    error, seconds = difference(response, second), response.seconds
+    method, tight = ("taylor", BESIDE_FIXED_STEPS) if fixed else (response.method, refine_accuracy(accuracy))
+    second, nudged = solver.solve_all([scene, _nudge_scene(scene, NUDGE)], tight, method)
+    sensitivity = find_change(second, nudged) / NUDGE
+    error = find_difference(response, second)
+    seconds = response.seconds
     while not fixed and error > accuracy and second.has_result:
-        response, seconds = second, seconds + second.seconds
+        response = second
+        seconds = seconds + second.seconds
         if tight <= FINEST:
             break
-        tight = finer(tight)
+        tight = refine_accuracy(tight)
         second = solver.solve(scene, tight, method)
-        error = difference(response, second) if second.has_result else error
+        error = find_difference(response, second) if second.has_result else error
     if error == 0.0 and not fixed:
-        error = difference(response, solver.solve(scene, tight, method, least_steps=OTHER_STEPS))
+        error = find_difference(response, solver.solve(scene, tight, method, least_steps=OTHER_STEPS))
     if not fixed and (error > accuracy or min(error, sensitivity * GRAZING) > DECIDES * accuracy):
         others = (solver.solve(scene, tight * times, method, least_steps=steps) for times, steps in SCATTER)
-        error = np.nanmax([error, *(difference(response, other) for other in others)])
+        error = np.nanmax([error, *(find_difference(response, other) for other in others)])
     flags = list(response.flags)
     if sensitivity > ILL_CONDITIONED:
         moved = f"changes a peak by {sensitivity * NUDGE:.1e}" if sensitivity < np.inf else "decides what collapses"

@@ -15,21 +15,24 @@ from numba import njit
 
 from pounding_cli.laws.guards import FASTER, HIGH, LOW, SIGN_CHANGE, SLOWER
 from pounding_cli.model.links import Link
-from pounding_cli.solver.assemble import Layout, term_matrix
-from pounding_cli.solver.dispatch import force, line_force, next_branch, smooth_force
-from pounding_cli.solver.events import ends_of_elements
+from pounding_cli.solver.dispatch import compute_force, compute_line_force, compute_smooth_force, next_branch
+from pounding_cli.solver.layout import Layout, build_term_matrix
 from pounding_cli.solver.options import CALLED, KERNEL, PART
 from pounding_cli.solver.records import COLLAPSED, DONE, NO_ROOT, NOT_FINITE
-from pounding_cli.solver.run import begin
+from pounding_cli.solver.run import begin_run
 from pounding_cli.solver.series import push, push_by_storey
+from pounding_cli.solver.step_end import deform_elements
 
-BRANCHES = 8
+MAX_BRANCHES = 8
 """Branches that an element passes in a step, at most."""
 
-ITERATIONS, CONVERGED = 25, 1e-11
-"""Of Newton's method in a step: most, and the part of the forces that may be left."""
+MAX_ITERATIONS = 25
+"""Of Newton's method in a step."""
 
-SHORTEST = 1.0 / 1024.0
+CONVERGED = 1e-11
+"""Part of the forces that Newton's method may leave [-]."""
+
+MIN_PART = 1.0 / 1024.0
 """Part of a step into which one without a root is cut, at least."""
 
 FIXED = ("central-difference", "newmark")
@@ -38,14 +41,14 @@ FIXED = ("central-difference", "newmark")
 HEAVY = 1e200
 """Mass of what does not move [kg]."""
 
-NEAR = 1e-7
+SLOPE_STEP = 1e-7
 """Part of a rate and of a deformation by which slopes of a force are taken."""
 
 
 @njit(**CALLED)
 def _settle(el, formula):
     """Let an element pass the guards that lie between its branch and its state at the end of the step."""
-    for _ in range(BRANCHES):
+    for _ in range(MAX_BRANCHES):
         guard = -1
         if el.v1 < el.low:
             guard = LOW
@@ -56,7 +59,7 @@ def _settle(el, formula):
         elif el.r1 > el.fast:
             guard = FASTER
         elif el.cuts:
-            f = force(el, el.v1, el.r1, formula)
+            f = compute_force(el, el.v1, el.r1, formula)
             if (f < 0.0 and el.acts) or (f > 0.0 and not el.acts):
                 guard = SIGN_CHANGE
         if guard < 0:
@@ -68,47 +71,55 @@ def _settle(el, formula):
 
 
 @njit(**CALLED)
-def forces(dofs, elements, terms, r, room, ground):
-    """Deform all elements by the displacements u1 and velocities v1 of a step's end, put them on the branches that they
-    have reached, and add their forces to `push` of the degrees of freedom: a = -push / mass."""
-    ends_of_elements(dofs, elements, terms, r)
-    for i in range(r.n):
-        d = dofs[i]
-        d.push = d.mass * (d.loaded * ground + d.drag * d.v1)
-    for e in range(r.m):
+def add_forces(dofs, elements, terms, run, room, ground):
+    """Add the forces of all elements at the end of a step to `push` of the degrees of freedom: a = -push / mass.
+
+    The displacements u1 and velocities v1 deform the elements first, and put them on the branches that they have
+    reached.
+    """
+    deform_elements(dofs, elements, terms, run)
+    for i in range(run.n):
+        dof = dofs[i]
+        dof.push = dof.mass * (dof.loaded * ground + dof.drag * dof.v1)
+    for e in range(run.m):
         el = elements[e]
         formula = room.formulas[el.formula]
         _settle(el, formula)
-        if e < r.n:
-            push_by_storey(dofs, el, e, line_force(el, el.v1, el.r1), r.has_lean)
+        if e < run.n:
+            push_by_storey(dofs, el, e, compute_line_force(el, el.v1, el.r1), run.has_lean)
         elif el.closed and el.acts:
-            push(dofs, terms, el, force(el, el.v1, el.r1, formula))
+            push(dofs, terms, el, compute_force(el, el.v1, el.r1, formula))
 
 
 @njit(**CALLED)
-def _end(dofs, elements, terms, r, columns, room, h):
-    """Count what has come of a step: largest values, and forces of links and struck columns."""
-    r.steps += 1
-    for i in range(r.n):
-        d = dofs[i]
-        d.u_max, d.u_min, d.a_max = max(d.u_max, d.u1), min(d.u_min, d.u1), max(d.a_max, abs(d.a1))
-        if not abs(d.u1) < 1e300:
-            r.status = NOT_FINITE
-        d.u0, d.w[0], d.a0 = d.u1, d.v1, d.a1
-    for e in range(r.m):
+def _end_step(dofs, elements, terms, run, columns, room, h):
+    """Enter a step into the largest values, and into the forces of links and struck columns."""
+    run.steps += 1
+    for i in range(run.n):
+        dof = dofs[i]
+        dof.u_max = max(dof.u_max, dof.u1)
+        dof.u_min = min(dof.u_min, dof.u1)
+        dof.a_max = max(dof.a_max, abs(dof.a1))
+        if not abs(dof.u1) < 1e300:
+            run.status = NOT_FINITE
+        dof.u0 = dof.u1
+        dof.w[0] = dof.v1
+        dof.a0 = dof.a1
+    for e in range(run.m):
         el = elements[e]
         el.peak_v = max(el.peak_v, abs(el.v1) if el.drifts else el.v1)
         if el.drifts:
             el.peak_f = max(el.peak_f, abs(el.k * el.v1 + el.f0))
             if abs(el.v1) > el.collapse:
-                r.status = COLLAPSED
+                run.status = COLLAPSED
         elif el.closed and el.acts:
-            f = force(el, el.v1, el.r1, room.formulas[el.formula])
+            f = compute_force(el, el.v1, el.r1, room.formulas[el.formula])
             el.peak_f = max(el.peak_f, abs(f))
             el.impulse += f * h
             el.time += h
-        el.v0, el.r0 = el.v1, el.r1
-    for c in range(r.columns):
+        el.v0 = el.v1
+        el.r0 = el.r1
+    for c in range(run.columns):
         column = columns[c]
         el = elements[column.storey]
         if column.is_sum:
@@ -120,84 +131,101 @@ def _end(dofs, elements, terms, r, columns, room, h):
             link = elements[terms[x].dof]
             if link.closed and link.acts:
                 dashpot = link.c * link.r1 if link.drifts else 0.0  # shears of lines are without damping forces
-                f += terms[x].weight * (force(link, link.v1, link.r1, room.formulas[link.formula]) - dashpot)
+                f += terms[x].weight * (compute_force(link, link.v1, link.r1, room.formulas[link.formula]) - dashpot)
         column.peak = max(column.peak, abs(f))
 
 
 @njit(**PART)
-def _central_difference(dofs, elements, terms, r, room, half, h, ground, first):
-    """u' half a step later from u'' now, u a step later; damping forces by the velocity extrapolated from two half
-    steps, so that nothing is solved for."""
-    for i in range(r.n):
-        d = dofs[i]
-        acceleration = d.a0 - d.loaded * r.g0
-        before = d.w[0] if first else half[i]
+def _step_by_central_difference(dofs, elements, terms, run, room, half, h, ground, first):
+    """Take a step by central difference; return True, since it always finds an end.
+
+    u' half a step later follows from u'' now, and u a step later from that. Damping forces take the velocity
+    extrapolated from two half steps, so that nothing is solved for.
+
+    half : velocities half a step before, and then half a step later
+    """
+    for i in range(run.n):
+        dof = dofs[i]
+        acceleration = dof.a0 - dof.loaded * run.g0
+        before = dof.w[0] if first else half[i]
         half[i] = before + (0.5 * h if first else h) * acceleration
-        d.u1 = d.u0 + h * half[i]
-        d.v1 = 1.5 * half[i] - 0.5 * before
-    forces(dofs, elements, terms, r, room, ground)
-    for i in range(r.n):
-        d = dofs[i]
-        d.a1 = -d.push * d.inv_mass + d.loaded * ground
+        dof.u1 = dof.u0 + h * half[i]
+        dof.v1 = 1.5 * half[i] - 0.5 * before
+    add_forces(dofs, elements, terms, run, room, ground)
+    for i in range(run.n):
+        dof = dofs[i]
+        dof.a1 = -dof.push * dof.inv_mass + dof.loaded * ground
     return True
 
 
 @njit(**PART)
-def _slopes(el, formula):
-    """dF/dv [N/m] and dF/dv' [N s/m] of an element at the end of the step."""
-    k, c = el.k - el.load, el.c
+def _find_slopes(el, formula):
+    """Return dF/dv [N/m] and dF/dv' [N s/m] of an element at the end of the step."""
+    k = el.k - el.load
+    c = el.c
     if el.cubic != 0.0:
         root = math.sqrt(el.k + 3.0 * el.cubic * el.v1 * el.v1)
         k += 3.0 * el.cubic * el.v1 * el.v1 + el.root * 3.0 * el.cubic * el.v1 * el.r1 / root
         c += el.root * root
     if el.smooth:
-        f = smooth_force(el, el.v1, el.r1, formula)
-        dv, dr = NEAR * max(abs(el.v1), NEAR), NEAR * max(abs(el.r1), NEAR)
-        k += (smooth_force(el, el.v1 + dv, el.r1, formula) - f) / dv
-        c += (smooth_force(el, el.v1, el.r1 + dr, formula) - f) / dr
+        f = compute_smooth_force(el, el.v1, el.r1, formula)
+        dv = SLOPE_STEP * max(abs(el.v1), SLOPE_STEP)
+        dr = SLOPE_STEP * max(abs(el.r1), SLOPE_STEP)
+        k += (compute_smooth_force(el, el.v1 + dv, el.r1, formula) - f) / dv
+        c += (compute_smooth_force(el, el.v1, el.r1 + dr, formula) - f) / dr
     return k, c
 
 
 @njit(**CALLED)
-def _matrix(dofs, elements, r, room, h, shape):
-    """M + h/2 C + h^2/4 K at the end of the step; `shape`: the deformation of every element from the displacements."""
-    size = np.zeros(r.m)
-    for e in range(r.m):
+def _build_matrix(dofs, elements, run, room, h, shape):
+    """Return M + h/2 C + h^2/4 K at the end of the step [kg], shape (n, n).
+
+    shape : of the deformation of every element from the displacements, as of `build_term_matrix`
+    """
+    size = np.zeros(run.m)
+    for e in range(run.m):
         el = elements[e]
-        k, c = _slopes(el, room.formulas[el.formula])
+        k, c = _find_slopes(el, room.formulas[el.formula])
         size[e] = el.acts * (0.25 * h * h * k + 0.5 * h * c)
     rows = np.dot(shape.T * size, shape)
-    for i in range(r.n):
-        d = dofs[i]
-        rows[i, i] += d.mass * (1.0 + 0.5 * h * d.drag) if d.inv_mass > 0.0 else HEAVY
+    for i in range(run.n):
+        dof = dofs[i]
+        rows[i, i] += dof.mass * (1.0 + 0.5 * h * dof.drag) if dof.inv_mass > 0.0 else HEAVY
     return rows
 
 
 @njit(**PART)
-def _newmark(dofs, elements, terms, r, room, memory, shape, h, ground):
-    """The average acceleration, by Newton's method; whether it found a root."""
-    n, missing, kept = r.n, np.zeros(r.n), memory.copy()
+def _step_by_newmark(dofs, elements, terms, run, room, memory, shape, h, ground):
+    """Take a step of average acceleration by Newton's method; return whether it found a root.
+
+    memory : the elements as plain numbers, to begin every try from the branches of the step's start
+    shape : as of `_build_matrix`
+    """
+    n = run.n
+    missing = np.zeros(run.n)
+    kept = memory.copy()
     for i in range(n):  # as a first guess the acceleration stays
-        dofs[i].a1 = dofs[i].a0 - dofs[i].loaded * (r.g0 - ground)
-    for _ in range(ITERATIONS):
+        dofs[i].a1 = dofs[i].a0 - dofs[i].loaded * (run.g0 - ground)
+    for _ in range(MAX_ITERATIONS):
         for i in range(n):
-            d = dofs[i]
-            both = d.a0 - d.loaded * r.g0 + d.a1 - d.loaded * ground
-            d.u1 = d.u0 + h * d.w[0] + 0.25 * h * h * both
-            d.v1 = d.w[0] + 0.5 * h * both
+            dof = dofs[i]
+            both = dof.a0 - dof.loaded * run.g0 + dof.a1 - dof.loaded * ground
+            dof.u1 = dof.u0 + h * dof.w[0] + 0.25 * h * h * both
+            dof.v1 = dof.w[0] + 0.5 * h * both
         memory[:] = kept
-        forces(dofs, elements, terms, r, room, ground)
+        add_forces(dofs, elements, terms, run, room, ground)
         left = most = 0.0
         for i in range(n):
-            d = dofs[i]
-            inertia = d.mass * (d.a1 - d.loaded * ground)
-            missing[i] = -(inertia + d.push) if d.inv_mass > 0.0 else 0.0
-            left, most = max(left, abs(missing[i])), max(most, max(abs(inertia), abs(d.push)))
+            dof = dofs[i]
+            inertia = dof.mass * (dof.a1 - dof.loaded * ground)
+            missing[i] = -(inertia + dof.push) if dof.inv_mass > 0.0 else 0.0
+            left = max(left, abs(missing[i]))
+            most = max(most, max(abs(inertia), abs(dof.push)))
         if left <= CONVERGED * most:
             return True
         if not most < 1e300:
             break
-        more = np.linalg.solve(_matrix(dofs, elements, r, room, h, shape), missing)
+        more = np.linalg.solve(_build_matrix(dofs, elements, run, room, h, shape), missing)
         for i in range(n):
             dofs[i].a1 += more[i]
     memory[:] = kept
@@ -205,7 +233,7 @@ def _newmark(dofs, elements, terms, r, room, memory, shape, h, ground):
 
 
 @njit(**KERNEL)
-def march(dofs, elements, terms, run, series, columns, room, ground, slopes, memory, shape, parts, method):
+def march(dofs, elements, terms, runs, series, columns, room, ground, slopes, memory, shape, parts, method):
     """Run a scene in `parts` equal steps a sample of the motion, by a method of `FIXED`.
 
     memory : the elements as plain numbers
@@ -215,62 +243,70 @@ def march(dofs, elements, terms, run, series, columns, room, ground, slopes, mem
     ------
     LinAlgError : the matrix of Newton's method is singular
     """
-    r = run[0]
-    if not r.resumes:
-        begin(dofs, elements, terms, r, series)
-    half = np.zeros(r.n)
-    r.g0 = ground[0]
-    forces(dofs, elements, terms, r, room, r.g0)
-    for i in range(r.n):
-        dofs[i].a0 = -dofs[i].push * dofs[i].inv_mass + dofs[i].loaded * r.g0
-    whole, first = r.dt / parts, True
+    run = runs[0]
+    if not run.resumes:
+        begin_run(dofs, elements, terms, run, series)
+    half = np.zeros(run.n)
+    run.g0 = ground[0]
+    add_forces(dofs, elements, terms, run, room, run.g0)
+    for i in range(run.n):
+        dofs[i].a0 = -dofs[i].push * dofs[i].inv_mass + dofs[i].loaded * run.g0
+    whole = run.dt / parts
+    first = True
     for segment in range(ground.size):
         elapsed = 0.0
         h = whole
-        length = r.rest if segment + 1 == ground.size else r.dt
-        while r.status == DONE and elapsed < length * (1.0 - 1e-12):
+        length = run.rest if segment + 1 == ground.size else run.dt
+        while run.status == DONE and elapsed < length * (1.0 - 1e-12):
             h = min(h, length - elapsed)
             if abs(h - whole) < 1e-9 * whole:
                 h = whole
-            r.g0 = ground[segment] + slopes[segment] * elapsed
+            run.g0 = ground[segment] + slopes[segment] * elapsed
             g1 = ground[segment] + slopes[segment] * (elapsed + h)
             if method == 0:
-                found = _central_difference(dofs, elements, terms, r, room, half, h, g1, first)
+                found = _step_by_central_difference(dofs, elements, terms, run, room, half, h, g1, first)
             else:
-                found = _newmark(dofs, elements, terms, r, room, memory, shape, h, g1)
+                found = _step_by_newmark(dofs, elements, terms, run, room, memory, shape, h, g1)
             if not found:
-                r.trials += 1
+                run.trials += 1
                 h *= 0.5
-                if h < SHORTEST * whole:
-                    r.status = NO_ROOT
+                if h < MIN_PART * whole:
+                    run.status = NO_ROOT
                 continue
             first = False
-            _end(dofs, elements, terms, r, columns, room, h)
+            _end_step(dofs, elements, terms, run, columns, room, h)
             elapsed += h
-            r.time = segment * r.dt + elapsed
+            run.time = segment * run.dt + elapsed
             h = whole
-        if r.status != DONE:
+        if run.status != DONE:
             break
-    return r.status
+    return run.status
 
 
-def central_difference_limit(layout: Layout, elements: np.ndarray, links: Sequence[Link]) -> float:
-    """Largest stable time step [s] of central difference with extrapolated damping forces, with every link closed where
-    its law is stiffest; modal coupling by damping is left out.
+def find_longest_stable_step(layout: Layout, elements: np.ndarray, links: Sequence[Link]) -> float:
+    """Return the longest stable time step of central difference with extrapolated damping forces [s].
 
-    2 (sqrt(1 + 4 xi^2) - 2 xi) / omega in every mode; 2 / omega without damping. With u_n and the half-step velocity
+    Every link counts as closed where its law is stiffest; modal coupling by damping is left out. In every mode the
+    limit is 2 (sqrt(1 + 4 xi^2) - 2 xi) / omega; 2 / omega without damping. With u_n and the half-step velocity
     alternating in sign (amplification -1) the scheme gives (h omega)^2 + 8 xi h omega = 4.
     """
-    rows, mass, n = term_matrix(layout), layout.dofs["mass"], layout.number
-    k, c = np.zeros(len(rows)), np.zeros(len(rows))
-    k[:n], c[:n] = elements["p"][:n, 0], elements["c"][:n]
-    drags, lines = slice(n, layout.of_lines.start), layout.of_lines
+    rows = build_term_matrix(layout)
+    mass = layout.dofs["mass"]
+    n = layout.number
+    k = np.zeros(len(rows))
+    c = np.zeros(len(rows))
+    k[:n] = elements["p"][:n, 0]
+    c[:n] = elements["c"][:n]
+    drags = slice(n, layout.of_lines.start)
+    lines = layout.of_lines
     c[drags] = elements["p"][drags, 1]
-    k[lines], c[lines] = elements["p"][lines, 0], elements["c"][lines]
+    k[lines] = elements["p"][lines, 0]
+    c[lines] = elements["c"][lines]
     for place, link in enumerate(links, layout.of_links.start):
         k[place], c[place] = link.law.max_slopes
         c[place] = max(c[place], elements["p"][place, 1] if link.law.joins else 0.0)
-    stiffness, damping = rows.T @ (k[:, None] * rows), rows.T @ (c[:, None] * rows)
+    stiffness = rows.T @ (k[:, None] * rows)
+    damping = rows.T @ (c[:, None] * rows)
     damping[np.diag_indices(n)] += layout.dofs["drag"] * mass
     inverse = np.sqrt(layout.dofs["inv_mass"])
     squares, shapes = np.linalg.eigh(stiffness * np.outer(inverse, inverse))

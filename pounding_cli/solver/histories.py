@@ -1,7 +1,8 @@
-"""Histories: what a scene does over time, at a uniform step that has nothing to do with the solver's own steps."""
+"""Histories: a scene over time, at a uniform output step that has nothing to do with the solver's own steps."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -11,10 +12,12 @@ from pounding_cli.model.links import link_label, link_places
 from pounding_cli.model.parts import divide_scene
 from pounding_cli.model.scene import Scene
 from pounding_cli.solver import records
-from pounding_cli.solver.assemble import Layout, run_time, segments
-from pounding_cli.solver.outcome import ENDS, closings_of, stored_in_lines, stored_in_storeys
+from pounding_cli.solver.balance import compute_energy_of_lines, compute_energy_of_storeys
+from pounding_cli.solver.layout import Layout
+from pounding_cli.solver.outcome import ENDS, to_closings
 from pounding_cli.solver.parts import join_histories
 from pounding_cli.solver.response import OUTCOMES
+from pounding_cli.solver.segments import build_segments, find_run_time
 from pounding_cli.solver.solve import SceneRun, prepare_run
 
 EVERY = 0.002
@@ -49,9 +52,9 @@ TWIST_FIELDS: dict[str, tuple[tuple[str, ...], str, str]] = {
 """Those of floors that twist; a scene where none does has none of them."""
 
 
-def output_times(scene: Scene, every: float) -> np.ndarray:
-    """The times of a history [s]: from 0 in steps of `every` [s], the last not after the end of motion and tail."""
-    return every * np.arange(int(np.floor(run_time(scene) / every + 1e-9)) + 1)
+def list_output_times(scene: Scene, every: float) -> np.ndarray:
+    """Return the times of a history [s]: from 0 in steps of `every` [s] up to the end of motion and tail."""
+    return every * np.arange(int(np.floor(find_run_time(scene) / every + 1e-9)) + 1)
 
 
 History = dict[str, tuple[tuple[str, ...], np.ndarray, dict[str, Any]]]
@@ -59,9 +62,10 @@ History = dict[str, tuple[tuple[str, ...], np.ndarray, dict[str, Any]]]
 
 
 def solve_history(scene: Scene, accuracy: float = 1e-6, every: float = EVERY) -> History:
-    """Run a scene from rest with Taylor steps and keep what it does, until a storey collapses if one does: FIELDS over
-    the names of buildings and links (`left|right floor j`), and TWIST_FIELDS where floors twist; NaN pads buildings
-    with fewer storeys and lines.
+    """Return what a scene does from rest, by Taylor steps, until a storey collapses if one does.
+
+    It has FIELDS over the names of buildings and links (`left|right floor j`), and TWIST_FIELDS where floors twist; NaN
+    pads buildings with fewer storeys and lines.
 
     Parameters
     ----------
@@ -78,108 +82,144 @@ def solve_history(scene: Scene, accuracy: float = 1e-6, every: float = EVERY) ->
     parts = divide_scene(scene)
     if parts:
         return join_histories(scene, parts, [solve_history(each.scene, accuracy, every) for each in parts])
-    run = prepare_run([scene], accuracy, times=output_times(scene, every))
+    run = prepare_run([scene], accuracy, times=list_output_times(scene, every))
     run.integrate()
     outcome, advice = ENDS[int(run.data.run["status"][0])]
     if outcome not in OUTCOMES:
         raise InputError(Problem(f"no history of this scene: {outcome}", advice))
-    return _evaluated(run)
+    return _build_history(run)
 
 
-def _ground(scene: Scene, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Acceleration [m/s2] and displacement from rest [m] of the ground, exact between samples."""
-    starts, slopes = segments(scene)
+def _evaluate_ground(scene: Scene, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return acceleration [m/s2] and displacement from rest [m] of the ground at times [s], exact between samples."""
+    starts, slopes = build_segments(scene)
     dt = scene.motion.dt
     velocity = np.concatenate(([0.0], np.cumsum((starts + 0.5 * slopes * dt) * dt)))
-    moved = np.concatenate(([0.0], np.cumsum((velocity[:-1] + (starts / 2 + slopes * dt / 6) * dt) * dt)))
-    at = np.minimum((times / dt * (1 + 1e-12)).astype(np.int64), starts.size - 1)
-    since = times - dt * at
-    acceleration = starts[at] + slopes[at] * since
-    return acceleration, moved[at] + (velocity[at] + (starts[at] / 2 + slopes[at] * since / 6) * since) * since
+    displacement = np.concatenate(([0.0], np.cumsum((velocity[:-1] + (starts / 2 + slopes * dt / 6) * dt) * dt)))
+    segment = np.minimum((times / dt * (1 + 1e-12)).astype(np.int64), starts.size - 1)
+    since = times - dt * segment
+    jerk = slopes[segment]
+    start = starts[segment]
+    moved_since = (velocity[segment] + (start / 2 + jerk * since / 6) * since) * since
+    return start + jerk * since, displacement[segment] + moved_since
 
 
-def _evaluated(run: SceneRun) -> History:
-    """What is wanted, from what a run kept."""
-    scene, layout, watch = run.scenes[0], run.layout, run.data.watch
-    kept = slice(0, int(run.data.run["output"][0]))  # a collapse ends it before the last time
-    if int(run.data.run["status"][0]) == records.COLLAPSED:
-        kept = slice(0, int(np.searchsorted(watch.times, float(run.data.run["time"][0]) * (1 - 1e-12))))
-    times, dofs, elements, energy = watch.times[kept], watch.dofs[kept], watch.elements[kept], watch.energy[kept]
-    ground, moved = _ground(scene, times)
-    u, n = dofs[..., 0], layout.number
-    deformation, force = elements[:, :n, 0], elements[:, :n, 1]
-    stored, yielding = stored_in_storeys(layout, deformation, force, u)
-    lines = elements[:, layout.of_lines]
-    in_lines, in_yielding_lines = stored_in_lines(layout, lines[..., 0], lines[..., 1])
-    on_storeys = watch.storeys[kept].sum(axis=1)
-    kinetic = 0.5 * (dofs[..., 1] ** 2 @ layout.dofs["mass"])
-    of_links = elements[:, layout.of_links]
-
-    def padded(by_dof: np.ndarray) -> np.ndarray:
-        whole = np.full((times.size, len(layout.floors), max(b.storeys for b in scene.buildings)), np.nan)
-        for b, span in enumerate(layout.floors):
-            whole[:, b, : scene.buildings[b].storeys] = by_dof[:, span]
-        return whole
-
-    def of_foundation(places: tuple[int, ...], values: np.ndarray = u) -> np.ndarray:
-        return np.stack([values[:, place] if place >= 0 else np.zeros(times.size) for place in places], axis=1)
-
-    put_in, in_dashpots, of_all_links = (energy[:, k] for k in range(3))
-    values = {
-        "ground_acceleration": ground,
-        "ground_displacement": moved,
-        "displacement": padded(u),
-        "total_acceleration": padded(dofs[..., 2]),
-        "drift": padded(deformation),
-        "shear": padded(force),
-        "sway": of_foundation(layout.bases),
-        "rocking": of_foundation(layout.feet),
-        "base_force": of_foundation(layout.bases, force),
-        "link_force": of_links[..., 1],
-        "closing": closings_of(layout, of_links[..., 0], run.data.elements["offset"][0, layout.of_links]),
-        "energy_input": put_in,
-        "energy_kinetic": kinetic,
-        "energy_stored": stored + in_lines,
-        "energy_damping": in_dashpots,
-        "energy_hysteresis": on_storeys - yielding - in_yielding_lines,
-        "energy_links": of_all_links,
-    }
-    names = [building.name for building in scene.buildings]
-    numbers = np.arange(1, values["drift"].shape[2] + 1)
-    fields = FIELDS
-    if layout.sums:
-        fields = FIELDS | TWIST_FIELDS
-        values["twist"] = _put_turns(layout, u)
-        values["line_drift"] = _put_lines(layout, lines[..., 0])
-        values["line_shear"] = _put_lines(layout, lines[..., 1])
-    found: History = {
+def _build_history(run: SceneRun) -> History:
+    """Return the history of the one scene of a run, from what the run kept."""
+    scene = run.scenes[0]
+    layout = run.layout
+    times = run.data.watch.times[_find_span(run)]
+    fields = FIELDS | TWIST_FIELDS if layout.sums else FIELDS
+    values = _build_values(run)
+    history: History = {
         name: (dims, values[name], {"units": unit, "long_name": text}) for name, (dims, unit, text) in fields.items()
     }
-    links = np.array([link_label(names, place) for place in link_places(scene.links)], object)
-    found["time"] = ("time",), times, {"units": "s", "long_name": "time since the motion began"}
-    for name, each in (("building", np.array(names, object)), ("storey", numbers), ("floor", numbers), ("link", links)):
-        found[name] = (name,), each, {}
+    names = [building.name for building in scene.buildings]
+    links = [link_label(names, place) for place in link_places(scene.links)]
+    storeys = np.arange(1, _count_storeys(layout) + 1)
+    history["time"] = ("time",), times, {"units": "s", "long_name": "time since the motion began"}
+    history["building"] = ("building",), np.array(names, object), {}
+    history["storey"] = ("storey",), storeys, {}
+    history["floor"] = ("floor",), storeys, {}
+    history["link"] = ("link",), np.array(links, object), {}
     if layout.sums:
-        found["line"] = ("line",), np.arange(1, layout.most_lines + 1), {}
-    return found
+        history["line"] = ("line",), np.arange(1, layout.most_lines + 1), {}
+    return history
 
 
-def _put_turns(layout: Layout, u: np.ndarray) -> np.ndarray:
-    """Return the rotations of floors [rad] from all displacements, shape (times, buildings, floors); NaN of floors that
-    do not twist."""
-    turns = np.full((len(u), len(layout.buildings), max(each.storeys for each in layout.buildings)), np.nan)
-    for b in layout.sums:
-        turns[:, b, : layout.buildings[b].storeys] = u[:, layout.turns[b]]
-    return turns
+def _find_span(run: SceneRun) -> slice:
+    """Return the output times that a run has reached, as a slice: a collapse ends it before the last of them."""
+    if int(run.data.run["status"][0]) == records.COLLAPSED:
+        end = float(run.data.run["time"][0])
+        return slice(0, int(np.searchsorted(run.data.watch.times, end * (1 - 1e-12))))
+    return slice(0, int(run.data.run["output"][0]))
 
 
-def _put_lines(layout: Layout, values: np.ndarray) -> np.ndarray:
+def _build_values(run: SceneRun) -> dict[str, np.ndarray]:
+    """Return the values of all fields over time, those of TWIST_FIELDS where floors twist."""
+    scene = run.scenes[0]
+    layout = run.layout
+    watch = run.data.watch
+    span = _find_span(run)
+    u = watch.dofs[span, :, 0]
+    velocity = watch.dofs[span, :, 1]
+    acceleration = watch.dofs[span, :, 2]
+    deformation = watch.elements[span, :, 0]
+    force = watch.elements[span, :, 1]
+    storeys = slice(0, layout.number)
+    lines = layout.of_lines
+    links = layout.of_links
+    ground_acceleration, ground_displacement = _evaluate_ground(scene, watch.times[span])
+    stored, yielding = compute_energy_of_storeys(layout, deformation[:, storeys], force[:, storeys], u)
+    in_lines, in_yielding_lines = compute_energy_of_lines(layout, deformation[:, lines], force[:, lines])
+    values = {
+        "ground_acceleration": ground_acceleration,
+        "ground_displacement": ground_displacement,
+        "displacement": _arrange_floors(layout, u),
+        "total_acceleration": _arrange_floors(layout, acceleration),
+        "drift": _arrange_floors(layout, deformation),
+        "shear": _arrange_floors(layout, force),
+        "sway": _arrange_bases(layout.bases, u),
+        "rocking": _arrange_bases(layout.feet, u),
+        "base_force": _arrange_bases(layout.bases, force),
+        "link_force": force[:, links],
+        "closing": to_closings(layout, deformation[:, links], run.data.elements["offset"][0, links]),
+        "energy_input": watch.energy[span, 0],
+        "energy_kinetic": 0.5 * (velocity**2 @ layout.dofs["mass"]),
+        "energy_stored": stored + in_lines,
+        "energy_damping": watch.energy[span, 1],
+        "energy_hysteresis": watch.storeys[span].sum(axis=1) - yielding - in_yielding_lines,
+        "energy_links": watch.energy[span, 2],
+    }
+    if layout.sums:
+        values["twist"] = _arrange_turns(layout, u)
+        values["line_drift"] = _arrange_lines(layout, deformation[:, lines])
+        values["line_shear"] = _arrange_lines(layout, force[:, lines])
+    return values
+
+
+def _count_storeys(layout: Layout) -> int:
+    """Return the most storeys of a building."""
+    return max(building.storeys for building in layout.buildings)
+
+
+def _arrange_floors(layout: Layout, values: np.ndarray) -> np.ndarray:
+    """Return values of floors, or of the storeys below them, over time, shape (times, buildings, floors).
+
+    values : of degrees of freedom or elements, shape (times, those)
+    """
+    whole = np.full((len(values), len(layout.buildings), _count_storeys(layout)), np.nan)
+    for number, floors in enumerate(layout.floors):
+        whole[:, number, : layout.buildings[number].storeys] = values[:, floors]
+    return whole
+
+
+def _arrange_bases(places: Sequence[int], values: np.ndarray) -> np.ndarray:
+    """Return values of bases over time, shape (times, buildings); 0 of those that do not move.
+
+    places : of the bases among the values, -1 of those that do not move
+    """
+    nothing = np.zeros(len(values))
+    return np.stack([values[:, place] if place >= 0 else nothing for place in places], axis=1)
+
+
+def _arrange_turns(layout: Layout, u: np.ndarray) -> np.ndarray:
+    """Return the rotations of floors over time [rad], shape (times, buildings, floors); NaN of those that do not twist.
+
+    u : displacements and rotations, shape (times, degrees of freedom)
+    """
+    whole = np.full((len(u), len(layout.buildings), _count_storeys(layout)), np.nan)
+    for number in layout.sums:
+        whole[:, number, : layout.buildings[number].storeys] = u[:, layout.turns[number]]
+    return whole
+
+
+def _arrange_lines(layout: Layout, values: np.ndarray) -> np.ndarray:
     """Return values of frame lines over time, shape (times, buildings, storeys, lines); NaN where there are none.
 
     values : in the order of `layout.lines`, shape (times, lines)
     """
-    most_storeys = max(each.storeys for each in layout.buildings)
-    whole = np.full((len(values), len(layout.buildings), most_storeys, layout.most_lines), np.nan)
-    for place, (b, storey, number) in enumerate(layout.lines):
-        whole[:, b, storey, number] = values[:, place]
+    whole = np.full((len(values), len(layout.buildings), _count_storeys(layout), layout.most_lines), np.nan)
+    for place, (building, storey, number) in enumerate(layout.lines):
+        whole[:, building, storey, number] = values[:, place]
     return whole

@@ -19,7 +19,7 @@ COMPILE_TIME = {SERIES_KERNEL: 20.0, SMOOTH_KERNEL: 30.0, FIXED_STEP_KERNEL: 15.
 """Time in which a kernel is compiled, about [s]."""
 
 
-def _digest() -> str:
+def _compute_digest() -> str:
     """Return the SHA-256 of the sources of solver and laws, and of the versions that compile them.
 
     Numba does not see that a function that a kernel calls changed.
@@ -36,11 +36,11 @@ def _digest() -> str:
     return sha.hexdigest()[:16]
 
 
-FOLDER = Path(os.environ.get("NUMBA_CACHE_DIR") or Path.home() / ".cache") / "pounding_cli" / _digest()
+FOLDER = Path(os.environ.get("NUMBA_CACHE_DIR") or Path.home() / ".cache") / "pounding_cli" / _compute_digest()
 """Folder of the compiled kernels and of their rates."""
 
 
-def kernel_for(takes_step: bool, has_smooth: bool) -> str:
+def find_kernel(takes_step: bool, has_smooth: bool) -> str:
     """Return the kernel that runs a scene.
 
     Parameters
@@ -55,17 +55,18 @@ def kernel_for(takes_step: bool, has_smooth: bool) -> str:
 
 def is_compiled(kernel: str) -> bool:
     """Return whether a kernel is compiled and kept on this computer."""
-    return _mark(kernel).exists() and any(FOLDER.rglob("*.nbc"))
+    return _locate_mark(kernel).exists() and any(FOLDER.rglob("*.nbc"))
 
 
 def mark_compiled(kernel: str) -> None:
     """Note that a kernel is compiled and kept."""
     with contextlib.suppress(OSError):
         FOLDER.mkdir(parents=True, exist_ok=True)
-        _mark(kernel).touch()
+        _locate_mark(kernel).touch()
 
 
-def _mark(kernel: str) -> Path:
+def _locate_mark(kernel: str) -> Path:
+    """Return the file that says that a kernel is compiled."""
     return FOLDER / f"{kernel}.compiled"
 
 

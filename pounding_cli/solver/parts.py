@@ -13,7 +13,7 @@ from pounding_cli.model.effects import DroppedEffect, effects_of
 from pounding_cli.model.links import link_label, link_places
 from pounding_cli.model.parts import PartScene
 from pounding_cli.model.scene import Scene
-from pounding_cli.solver.outcome import collapse_flag, flags_of
+from pounding_cli.solver.flags import build_collapse_flag, list_flags
 from pounding_cli.solver.response import (
     COLLAPSED,
     COLUMNS,
@@ -53,7 +53,7 @@ def join_responses(scene: Scene, parts: Sequence[PartScene], responses: Sequence
     failed = [each for each in responses if not each.has_result]
     if failed:
         no_energy = dict.fromkeys(failed[0].energy, math.nan)
-        return replace(failed[0], **facts, peaks=_no_peaks_of(scene), energy=no_energy, flags=())
+        return replace(failed[0], **facts, peaks=_build_empty_peaks(scene), energy=no_energy, flags=())
     return replace(
         responses[0],
         **facts,
@@ -84,7 +84,7 @@ def _list_open_gaps(responses: Iterable[Response]) -> list[DroppedEffect]:
     return [dropped for each in responses for dropped in each.dropped if dropped.links]
 
 
-def _no_peaks_of(scene: Scene) -> np.void:
+def _build_empty_peaks(scene: Scene) -> np.void:
     """Return the peaks of a scene before anything of it is known: NaN."""
     storeys = [building.storeys for building in scene.buildings]
     lines = max(building.lines for building in scene.buildings)
@@ -92,7 +92,8 @@ def _no_peaks_of(scene: Scene) -> np.void:
 
 
 def _join_peaks(scene: Scene, parts: Sequence[PartScene], responses: Sequence[Response]) -> np.void:
-    peaks = _no_peaks_of(scene)
+    """Return the peaks of a scene from those of its parts."""
+    peaks = _build_empty_peaks(scene)
     for each, response in zip(parts, responses, strict=True):
         places = each.part.places
         link_numbers = list(each.part.link_numbers)
@@ -130,10 +131,10 @@ def _join_flags(parts: Sequence[PartScene], responses: Sequence[Response]) -> It
         of_places = list_placed_flags(each.scene, response)
         placed += of_places
         for flag in list_other_flags(of_places, response):
-            kind = _kind_of(flag)
-            if kind not in worst_by_kind or _severity_of(flag) > _severity_of(worst_by_kind[kind]):
+            kind = _find_kind(flag)
+            if kind not in worst_by_kind or _find_severity(flag) > _find_severity(worst_by_kind[kind]):
                 worst_by_kind[kind] = flag
-    yield from sorted(placed, key=lambda flag: _kind_of(flag) != COLLAPSED)
+    yield from sorted(placed, key=lambda flag: _find_kind(flag) != COLLAPSED)
     yield from worst_by_kind.values()
 
 
@@ -142,21 +143,22 @@ def list_placed_flags(scene: Scene, response: Response) -> list[str]:
     collapses = []
     for place in response.fallen_buildings:
         peaks = response.buildings[place]
-        collapses.append(collapse_flag(scene.buildings[place].name, peaks.collapse_storey, peaks.collapse_time))
-    return [*collapses, *flags_of(scene, response.peaks)]
+        collapses.append(build_collapse_flag(scene.buildings[place].name, peaks.collapse_storey, peaks.collapse_time))
+    return [*collapses, *list_flags(scene, response.peaks)]
 
 
 def list_other_flags(placed: Iterable[str], response: Response) -> list[str]:
     """Return the flags of a response of other kinds than those that name buildings."""
-    kinds = {_kind_of(flag) for flag in placed}
-    return [flag for flag in response.flags if _kind_of(flag) not in kinds]
+    kinds = {_find_kind(flag) for flag in placed}
+    return [flag for flag in response.flags if _find_kind(flag) not in kinds]
 
 
-def _kind_of(flag: str) -> str:
+def _find_kind(flag: str) -> str:
+    """Return the kind of a flag, up to its colon."""
     return flag.partition(": ")[0]
 
 
-def _severity_of(flag: str) -> float:
+def _find_severity(flag: str) -> float:
     """Return the severity of a flag, the least of one whose kind does not compare."""
     severity = float(getattr(flag, "severity", math.nan))
     return -math.inf if math.isnan(severity) else severity
@@ -195,7 +197,7 @@ def _list_axes(scene: Scene) -> dict[str, np.ndarray]:
         "storey": numbers,
         "floor": numbers,
         "link": np.array(links, object),
-        "line": np.arange(1, count_lines(_no_peaks_of(scene)) + 1),
+        "line": np.arange(1, count_lines(_build_empty_peaks(scene)) + 1),
     }
 
 

@@ -14,37 +14,48 @@ NEVER = 2.0
 """Returned when there is no crossing: later than any step."""
 
 SLOPE = ORDERS + 8
-"""Place in r.p of the derivative's coefficients."""
+"""Place in run.p of the derivative's coefficients."""
 
-LAST, NEAR = 3e-16, 1e-7
-"""Part by which a root is found at last: a crossing to the last digit; a turn, whose value moves by the square."""
+CROSSING_ACCURACY = 3e-16
+"""Part by which the root of a crossing is found: to the last digit."""
+
+TURN_ACCURACY = 1e-7
+"""Part by which the root of a turn is found: the value there moves by the square of it."""
 
 
 @njit(**PART)
-def value(p, n, s, at=0):
-    """The polynomial of degree n whose coefficients begin at p[at], at s (Horner)."""
-    total = p[at + n]
-    for k in range(at + n - 1, at - 1, -1):
+def evaluate(p, n, s, first=0):
+    """Return the polynomial of degree n whose coefficients begin at p[first], at s (Horner)."""
+    total = p[first + n]
+    for k in range(first + n - 1, first - 1, -1):
         total = total * s + p[k]
     return total
 
 
 @njit(**CALLED)
-def first_crossing(r, n, end):
-    """First s in [0, end] where the polynomial in r.p stops being positive, or NEVER.
+def find_first_crossing(run, n, end):
+    """Return the first s in [0, end] where the polynomial in run.p stops being positive, or NEVER.
 
     Leading coefficients that are exactly zero mean "zero at the start": the sign of the first one that is not decides,
     so a start from rest on the boundary is settled by the first derivative that does not vanish.
     """
-    p, first = r.p, 0
+    p = run.p
+    first = 0
     while first <= n and p[first] == 0.0:
         first += 1
     if first > n:
         return NEVER
     if p[first] < 0.0:
         return 0.0
-    start, start_slope = p[first], (p[first + 1] if first < n else 0.0)
-    last, last_slope, bound, bend, size, power, j = start, 0.0, 0.0, 0.0, start, 1.0, 0.0
+    start = p[first]
+    start_slope = p[first + 1] if first < n else 0.0
+    last = start
+    last_slope = 0.0
+    bound = 0.0
+    bend = 0.0
+    size = start
+    power = 1.0
+    j = 0.0
     for k in range(first + 1, n + 1):  # p / s^first: values and slopes at `end`, bounds of the next two derivatives
         j += 1.0
         sloped = j * p[k] * power
@@ -57,17 +68,25 @@ def first_crossing(r, n, end):
     if last > 0.0 and min(start, last) > 0.125 * bound * end:
         return NEVER
     if start_slope * last_slope > 0.0 and min(abs(start_slope), abs(last_slope)) > 0.125 * bend:
-        return NEVER if last > 0.0 else _bracketed(r, first, n, 0.0, end, start, last, LAST)
-    return _march(r, first, n, end, bound / end if end > 0.0 else 0.0, 1e-17 * size, last)
+        return NEVER if last > 0.0 else _find_root(run, first, n, 0.0, end, start, last, CROSSING_ACCURACY)
+    return _march_to_root(run, first, n, end, bound / end if end > 0.0 else 0.0, 1e-17 * size, last)
 
 
 @njit(**CALLED)
-def _bracketed(r, first, last, low, high, at_low, at_high, near):
-    """A root of the polynomial r.p[first] to r.p[last] between `low`, where it is `at_low`, and `high`, where it is
-    `at_high` of the other sign or 0: Newton kept inside the bracket, until it moves by less than the part `near`."""
-    p, s, rising = r.p, low + (high - low) * at_low / (at_low - at_high), at_low < 0.0
+def _find_root(run, first, last, low, high, at_low, at_high, near):
+    """Return a root of the polynomial run.p[first] to run.p[last] between `low` and `high`, by Newton in this bracket.
+
+    Parameters
+    ----------
+    at_low, at_high : values at the ends of the bracket, of other signs or 0 at `high`
+    near : part of the root by which the last change may move it [-]
+    """
+    p = run.p
+    s = low + (high - low) * at_low / (at_low - at_high)
+    rising = at_low < 0.0
     for _ in range(100):
-        total, slope = p[last], 0.0
+        total = p[last]
+        slope = 0.0
         for k in range(last - 1, first - 1, -1):
             slope = slope * s + total
             total = total * s + p[k]
@@ -78,18 +97,29 @@ def _bracketed(r, first, last, low, high, at_low, at_high, near):
         new = s - total / slope if slope != 0.0 else low
         if not low <= new <= high:
             new = 0.5 * (low + high)
-        moved, s = abs(new - s), new
+        moved = abs(new - s)
+        s = new
         if moved <= near * s:
             break
     return s
 
 
 @njit(**CALLED)
-def _march(r, first, n, end, bound, floor, last):
-    """The first root by steps that never pass one, with |p''| <= bound; the sign at `end` decides if they get short."""
-    p, s, total = r.p, 0.0, floor
+def _march_to_root(run, first, n, end, bound, floor, last):
+    """Return the first root by steps that never pass one, or NEVER.
+
+    Parameters
+    ----------
+    bound : of |p''|
+    floor : value below which the polynomial is zero
+    last : value at `end`, whose sign decides if the steps get short
+    """
+    p = run.p
+    s = 0.0
+    total = floor
     for _ in range(400):
-        total, slope = p[n], 0.0
+        total = p[n]
+        slope = 0.0
         for k in range(n - 1, first - 1, -1):
             slope = slope * s + total
             total = total * s + p[k]
@@ -102,10 +132,10 @@ def _march(r, first, n, end, bound, floor, last):
             step = (slope + root) / bound if bound > 0.0 else 2.0 * end + 1.0
         if s + step > end:
             return NEVER if last > 0.0 else end
-        if step <= LAST * s:
+        if step <= CROSSING_ACCURACY * s:
             return s
         s += step
-    return _bracketed(r, first, n, s, end, total, last, LAST) if last <= 0.0 else s
+    return _find_root(run, first, n, s, end, total, last, CROSSING_ACCURACY) if last <= 0.0 else s
 
 
 PIECES = 8
@@ -113,14 +143,22 @@ PIECES = 8
 
 
 @njit(**CALLED)
-def highest(r, n, end, best, absolute):
-    """The larger of `best` and the largest p (|p| if `absolute`) in [0, end].
+def find_largest(run, n, end, best, absolute):
+    """Return the larger of `best` and the largest p (|p| if `absolute`) in [0, end].
 
     Nothing is searched that a bound excludes: all of p below `best`, a slope that keeps its sign, a slope that is
     monotone (then it has one zero at most).
+
+    absolute : given as `run.h > 0.0` or `run.h < 0.0`: for the constants True and False all would be compiled twice
     """
-    p, q = r.p, np.int64(SLOPE)
-    bound, last, slope, bent, bend, power = 0.0, p[0], 0.0, 0.0, 0.0, 1.0
+    p = run.p
+    q = np.int64(SLOPE)
+    bound = 0.0
+    last = p[0]
+    slope = 0.0
+    bent = 0.0
+    bend = 0.0
+    power = 1.0
     for k in range(1, n + 1):
         sloped = k * p[k]
         p[q + k - 1] = sloped
@@ -144,16 +182,20 @@ def highest(r, n, end, best, absolute):
         return best
     pieces = 1 if 2.0 * abs(p[2]) * end > bend else PIECES  # p'' keeps its sign: |p''(s) - p''(0)| < |p''(0)|
     rise = bent * end / (8.0 * pieces * pieces)  # of p above the chord of a piece, at most
-    low, left = 0.0, p[0]
+    low = 0.0
+    left = p[0]
     for piece in range(1, pieces + 1):
         high = end * piece / pieces
-        right, after = value(p, n, high), value(p, n - 1, high, q)
+        right = evaluate(p, n, high)
+        after = evaluate(p, n - 1, high, q)
         reach = max(abs(left), abs(right)) if absolute else max(left, right)
         best = max(best, reach)
         if first == 0.0:  # look behind the turn that the piece begins with
-            first = value(p, n - 1, low + 1e-6 * end, q)
+            first = evaluate(p, n - 1, low + 1e-6 * end, q)
         if first * after < 0.0 and reach + rise > best:
-            found = value(p, n, _bracketed(r, q, q + n - 1, low, high, first, after, NEAR))
+            found = evaluate(p, n, _find_root(run, q, q + n - 1, low, high, first, after, TURN_ACCURACY))
             best = max(best, abs(found) if absolute else found)
-        low, left, first = high, right, after
+        low = high
+        left = right
+        first = after
     return best

@@ -1,4 +1,4 @@
-"""What a run returns: the peaks of every storey, floor and link, and what they cost."""
+"""The response of a scene: the peaks of every storey, floor and link, and what they cost."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from pounding_cli.numbers import pluralize
 if TYPE_CHECKING:
     from pounding_cli.model.effects import DroppedEffect
 
-DONE, COLLAPSED = "done", "collapsed"
+DONE = "done"
+COLLAPSED = "collapsed"
 """The outcomes of runs that tell something of their scene."""
 
 OUTCOMES = (DONE, COLLAPSED)
@@ -31,7 +32,7 @@ TURNS = ("twist", "edge_drift_low", "edge_drift_high")
 
 @functools.lru_cache(maxsize=1024)
 def peaks_type(buildings: int, storeys: int, links: int, lines: int = 0) -> np.dtype:
-    """The record of the peaks of a scene: numbers of every building and storey, of every base, and of every link.
+    """Return the type of the record of the peaks of a scene: numbers of every building and storey, base, and link.
 
     lines : most frame lines of a building whose floors twist; 0 where none does
     """
@@ -47,7 +48,7 @@ def peaks_type(buildings: int, storeys: int, links: int, lines: int = 0) -> np.d
 
 
 def no_peaks(storeys: Sequence[int], links: int, lines: int = 0) -> np.void:
-    """The peaks of a run that failed, of buildings with so many storeys: NaN, and none of them is ever shown."""
+    """Return the peaks of a run that failed, of buildings with so many storeys: NaN, and none of them is ever shown."""
     return np.full(1, np.nan, peaks_type(len(storeys), max(storeys), links, lines))[0]
 
 
@@ -319,7 +320,7 @@ class Response:
 
     @property
     def has_result(self) -> bool:
-        """Whether the run came to an end of its own: that of the motion, or a collapse."""
+        """True where the run came to an end of its own: that of the motion, or a collapse."""
         return self.status in OUTCOMES
 
     def __repr__(self) -> str:

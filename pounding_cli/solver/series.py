@@ -12,7 +12,7 @@ import math
 import numpy as np
 from numba import njit
 
-from pounding_cli.solver.dispatch import line_force
+from pounding_cli.solver.dispatch import compute_line_force
 from pounding_cli.solver.options import CALLED, INVERSE, PART
 
 MIN_ORDER = 4
@@ -24,9 +24,11 @@ DIVERGED = 1e100
 ORDER_FROM_REST = 30
 """Of the first series of a run from rest: floors n storeys up that touch begin to close by t^(2 n + 2)."""
 
-LAST_DIGITS, LAST_OF_FIT = 1e-13, 1e-10
-"""Part of its terms [-] below which a sum is rounding: floors that move alike. The second is for coefficients that a
-polynomial was fitted to (`smooth`), which multiplies rounding."""
+LAST_DIGITS = 1e-13
+"""Part of its terms [-] below which a sum is rounding: floors that move alike."""
+
+LAST_OF_FIT = 1e-10
+"""The same of coefficients of a polynomial that was fitted (`smooth`), which multiplies rounding."""
 
 
 @njit(**PART)
@@ -40,8 +42,8 @@ def zero_if_rounding(total, magnitude, tolerance):
 
 
 @njit(**PART)
-def _link_rate(dofs, terms, k, el):
-    """Order k of the rate of a link."""
+def _compute_link_rate(dofs, terms, k, el):
+    """Return order k of the rate of a link."""
     rate = dofs[el.left].w[k] - dofs[el.right].w[k]
     for x in range(el.first, el.last):
         rate += terms[x].weight * dofs[terms[x].dof].w[k]
@@ -59,181 +61,232 @@ def push(dofs, terms, el, f):
 
 @njit(**PART)
 def push_by_storey(dofs, el, i, f, has_lean):
-    """Let the force f of storey i act on its floor and on what it stands on. The weight on it (P-Delta) acts on the
-    floors alone, by their displacements u1, which at a step's start are u0."""
-    d = dofs[i]
+    """Let the force f of storey i act on its floor and on what it stands on.
+
+    The weight on it (P-Delta) acts on the floors alone, by their displacements u1, which at a step's start are u0.
+    """
+    dof = dofs[i]
     if has_lean:
-        dofs[d.foot].push += d.lean * f
+        dofs[dof.foot].push += dof.lean * f
     if el.load != 0.0:
-        f -= el.load * (d.u1 - d.below * dofs[i - 1].u1)
-    d.push += f
-    if d.below != 0.0:
+        f -= el.load * (dof.u1 - dof.below * dofs[i - 1].u1)
+    dof.push += f
+    if dof.below != 0.0:
         dofs[i - 1].push -= f
 
 
 @njit(**PART)
-def coupled_force(elements, el):
+def compute_coupled_force(elements, el):
     """Return what the lines of a storey whose floors twist add to its force at the start of a step by its mate [N]."""
     mate = elements[el.mate]
     return el.coupled_k * mate.v0 + el.coupled_c * mate.r0
 
 
 @njit(**PART)
-def start(dofs, elements, terms, r, series):
-    """Order 0: forces of all elements, and accelerations of all degrees of freedom, which go to order 1 of w."""
-    for i in range(r.n):
-        dofs[i].push = dofs[i].mass * dofs[i].loaded * r.g0
-    for a in range(r.active):
-        s = series[a]
-        el = elements[s.element]
-        f = line_force(el, el.v0, el.r0)
-        s.v[0], s.rate[0], s.f[0] = el.v0, el.r0, f
+def start_series(dofs, elements, terms, run, series):
+    """Begin the series of a step: forces of all elements at its start, and accelerations, which go to order 1 of w."""
+    for i in range(run.n):
+        dofs[i].push = dofs[i].mass * dofs[i].loaded * run.g0
+    for a in range(run.active):
+        row = series[a]
+        el = elements[row.element]
+        f = compute_line_force(el, el.v0, el.r0)
+        row.v[0] = el.v0
+        row.rate[0] = el.r0
+        row.f[0] = f
         el.previous = el.r0
         if el.cubic != 0.0:
-            s.square[0] = el.v0 * el.v0
-            s.cubic_root[0] = math.sqrt(el.k + 3.0 * el.cubic * s.square[0])
+            row.square[0] = el.v0 * el.v0
+            row.cubic_root[0] = math.sqrt(el.k + 3.0 * el.cubic * row.square[0])
         if el.acts:
             push(dofs, terms, el, f)
-    has_lines = r.lines > 0
-    for i in range(r.n):
+    has_lines = run.lines > 0
+    for i in range(run.n):
         el = elements[i]
-        f = line_force(el, el.v0, el.r0)
+        f = compute_line_force(el, el.v0, el.r0)
         if has_lines and el.twists:
-            f += coupled_force(elements, el)
-        push_by_storey(dofs, el, i, f, r.has_lean)
-    for i in range(r.n):
-        d = dofs[i]
-        a = -d.inv_mass * d.push - d.drag * d.w[0]
-        d.push = d.mass * d.loaded * r.g1
-        d.a0 = a + d.felt * r.g0
-        d.w[1] = a * r.h
-        d.allowed = 1.0 / (r.tolerance * max(d.scale, r.least * d.unit))
+            f += compute_coupled_force(elements, el)
+        push_by_storey(dofs, el, i, f, run.has_lean)
+    for i in range(run.n):
+        dof = dofs[i]
+        a = -dof.inv_mass * dof.push - dof.drag * dof.w[0]
+        dof.push = dof.mass * dof.loaded * run.g1
+        dof.a0 = a + dof.felt * run.g0
+        dof.w[1] = a * run.h
+        dof.allowed = 1.0 / (run.tolerance * max(dof.scale, run.least * dof.unit))
 
 
 @njit(**PART)
-def _cubic_term(el, s, k, v, rate):
-    """Order k of the force k v + p v^3 + root sqrt(k + 3 p v^2) v' [N]."""
-    s.v[k], s.rate[k] = v, rate
+def _compute_cubic_term(el, row, k, v, rate):
+    """Return order k of the force k v + p v^3 + root sqrt(k + 3 p v^2) v' [N]."""
+    row.v[k] = v
+    row.rate[k] = rate
     square = cube = root = dash = 0.0
     for j in range(k + 1):
-        square += s.v[j] * s.v[k - j]
-    s.square[k] = square
+        square += row.v[j] * row.v[k - j]
+    row.square[k] = square
     for j in range(1, k):
-        root += s.cubic_root[j] * s.cubic_root[k - j]
-    s.cubic_root[k] = (3.0 * el.cubic * square - root) / (2.0 * s.cubic_root[0])
+        root += row.cubic_root[j] * row.cubic_root[k - j]
+    row.cubic_root[k] = (3.0 * el.cubic * square - root) / (2.0 * row.cubic_root[0])
     for j in range(k + 1):
-        cube += s.square[j] * s.v[k - j]
-        dash += s.cubic_root[j] * s.rate[k - j]
+        cube += row.square[j] * row.v[k - j]
+        dash += row.cubic_root[j] * row.rate[k - j]
     return el.k * v + el.cubic * cube + el.root * dash
 
 
 @njit(**PART)
-def _push_of_links(dofs, elements, terms, series, count, k, part):
-    """Order k of the forces of the links that act; `part` is h / k. Returns the largest term of a force that is cut
-    off, over what may be left out: it moves no floor, but its sign is asked for."""
+def _push_links(dofs, elements, terms, series, count, k, part):
+    """Add order k of the forces of the links that act; return the largest term of a force that is cut off.
+
+    A force that is cut off moves no floor, but its sign is asked for; its term is over what may be left out [-].
+
+    part : h / k
+    """
     largest = 0.0
     for a in range(count):
-        s = series[a]
-        el = elements[s.element]
-        rate = _link_rate(dofs, terms, k, el)
+        row = series[a]
+        el = elements[row.element]
+        rate = _compute_link_rate(dofs, terms, k, el)
         v = part * el.previous
         el.previous = rate
         if el.relaxation > 0.0:  # F' = k v' - F / relaxation time
-            f = el.k * v - el.relaxation * part * s.f[k - 1]
+            f = el.k * v - el.relaxation * part * row.f[k - 1]
         elif el.cubic != 0.0:
-            f = _cubic_term(el, s, k, v, rate)
+            f = _compute_cubic_term(el, row, k, v, rate)
         else:
             f = el.k * v + el.c * rate
-        s.v[k], s.rate[k], s.f[k] = v, rate, f
+        row.v[k] = v
+        row.rate[k] = rate
+        row.f[k] = f
         if el.acts:
             push(dofs, terms, el, f)
         else:
-            one, other = dofs[el.left], dofs[el.right]
+            one = dofs[el.left]
+            other = dofs[el.right]
             largest = max(largest, abs(f) * max(one.inv_mass * one.allowed, other.inv_mass * other.allowed))
     return largest
 
 
 @njit(**PART)
-def _next_velocity(d, k, w, f, after):
-    """Order k + 1 of the velocity of a degree of freedom, where order k is w and the forces of its storeys add up to f;
-    returns the size of its acceleration, over what may be left out."""
-    a = -d.inv_mass * (f + d.push) - d.drag * w
-    d.push = 0.0
-    d.w[k + 1] = a * after
-    return abs(a) * d.allowed
+def _advance_velocity(dof, k, w, f, after):
+    """Set order k + 1 of a velocity; return the size of the acceleration, over what may be left out [-].
+
+    Parameters
+    ----------
+    w : order k of the velocity
+    f : sum of the forces of the storeys at the degree of freedom
+    after : h / (k + 1)
+    """
+    a = -dof.inv_mass * (f + dof.push) - dof.drag * w
+    dof.push = 0.0
+    dof.w[k + 1] = a * after
+    return abs(a) * dof.allowed
 
 
 @njit(**PART)
 def _walk_up(dofs, elements, n, k, part, after, has_lean):
-    """Order k of all storeys, from the ground up: a floor is done when the force of the storey above it is. Bases that
-    rock come after their floors, whose forces they feel; the weight on a storey acts on the floors alone."""
-    size = left = before = own = 0.0
+    """Take all storeys from order k to the next, from the ground up; return the largest size of an acceleration.
+
+    A floor is done when the force of the storey above it is. Bases that rock come after their floors, whose forces they
+    feel; the weight on a storey acts on the floors alone.
+
+    part, after : h / k and h / (k + 1)
+    """
+    size = w_below = earlier_below = f_below = 0.0
     for i in range(n):  # from 0 on by the same sums, so that equal buildings move alike to the last digit
-        d, el = dofs[i], elements[i]
-        w, earlier = d.w[k], d.w[k - 1]
-        moved, rate = part * (earlier - d.below * before), w - d.below * left
+        dof = dofs[i]
+        el = elements[i]
+        w = dof.w[k]
+        earlier = dof.w[k - 1]
+        moved = part * (earlier - dof.below * earlier_below)
+        rate = w - dof.below * w_below
         f = el.stiffness * moved + el.c * rate
         if has_lean:
-            foot = dofs[d.foot]
-            leaned = d.lean * (el.k * part * foot.w[k - 1] + el.c * foot.w[k])
-            foot.push += d.lean * (f + el.load * moved + leaned)
+            foot = dofs[dof.foot]
+            leaned = dof.lean * (el.k * part * foot.w[k - 1] + el.c * foot.w[k])
+            foot.push += dof.lean * (f + el.load * moved + leaned)
             f += leaned
         if i > 0:
-            size = max(size, _next_velocity(dofs[i - 1], k, left, own - d.below * f, after))
-        left, before, own = w, earlier, f
-    return max(size, _next_velocity(dofs[n - 1], k, left, own, after))
+            size = max(size, _advance_velocity(dofs[i - 1], k, w_below, f_below - dof.below * f, after))
+        w_below = w
+        earlier_below = earlier
+        f_below = f
+    return max(size, _advance_velocity(dofs[n - 1], k, w_below, f_below, after))
 
 
 @njit(**PART)
 def _walk_up_twisting(dofs, elements, n, k, part, after, has_lean):
-    """The same where floors twist: a storey has a drift and a twist, whose forces are those of its lines together."""
-    size = left = before = own = left_turn = before_turn = own_turn = 0.0
-    last = -1
+    """Do as `_walk_up` where floors twist: a storey has a drift and a twist, with the forces of all its lines."""
+    size = w_below = earlier_below = f_below = w_turn_below = earlier_turn_below = f_turn_below = 0.0
+    floor_below = -1
     for i in range(n):
-        d, el = dofs[i], elements[i]
+        dof = dofs[i]
+        el = elements[i]
         if el.twists and el.mate < np.uint64(i):  # a twist, which comes with its drift
             continue
-        w, earlier = d.w[k], d.w[k - 1]
-        moved, rate = part * (earlier - d.below * before), w - d.below * left
+        w = dof.w[k]
+        earlier = dof.w[k - 1]
+        moved = part * (earlier - dof.below * earlier_below)
+        rate = w - dof.below * w_below
         f = el.stiffness * moved + el.c * rate
         leaned = leaned_rate = 0.0
         if has_lean:
-            foot = dofs[d.foot]
-            leaned, leaned_rate = d.lean * part * foot.w[k - 1], d.lean * foot.w[k]
+            foot = dofs[dof.foot]
+            leaned = dof.lean * part * foot.w[k - 1]
+            leaned_rate = dof.lean * foot.w[k]
         if el.twists:
-            turn, mate = dofs[el.mate], elements[el.mate]
-            w_turn, earlier_turn = turn.w[k], turn.w[k - 1]
-            turned = part * (earlier_turn - turn.below * before_turn)
-            turned_rate = w_turn - turn.below * left_turn
+            turn = dofs[el.mate]
+            mate = elements[el.mate]
+            w_turn = turn.w[k]
+            earlier_turn = turn.w[k - 1]
+            turned = part * (earlier_turn - turn.below * earlier_turn_below)
+            turned_rate = w_turn - turn.below * w_turn_below
             f += el.coupled_k * turned + el.coupled_c * turned_rate
             f_turn = mate.stiffness * turned + mate.c * turned_rate
             f_turn += el.coupled_k * (moved + leaned) + el.coupled_c * (rate + leaned_rate)
             if turn.below != 0.0:
-                size = max(size, _next_velocity(dofs[el.mate - np.uint64(1)], k, left_turn, own_turn - f_turn, after))
-            left_turn, before_turn, own_turn = w_turn, earlier_turn, f_turn
+                turning = dofs[el.mate - np.uint64(1)]
+                size = max(size, _advance_velocity(turning, k, w_turn_below, f_turn_below - f_turn, after))
+            w_turn_below = w_turn
+            earlier_turn_below = earlier_turn
+            f_turn_below = f_turn
             if el.twists > 1:
-                size = max(size, _next_velocity(turn, k, left_turn, own_turn, after))
+                size = max(size, _advance_velocity(turn, k, w_turn_below, f_turn_below, after))
         if has_lean:
             lean_force = el.k * leaned + el.c * leaned_rate
-            foot.push += d.lean * (f + el.load * moved + lean_force)
+            foot.push += dof.lean * (f + el.load * moved + lean_force)
             f += lean_force
-        if last >= 0:
-            size = max(size, _next_velocity(dofs[last], k, left, own - d.below * f, after))
-        left, before, own, last = w, earlier, f, i
-    return max(size, _next_velocity(dofs[last], k, left, own, after))
+        if floor_below >= 0:
+            size = max(size, _advance_velocity(dofs[floor_below], k, w_below, f_below - dof.below * f, after))
+        w_below = w
+        earlier_below = earlier
+        f_below = f
+        floor_below = i
+    return max(size, _advance_velocity(dofs[floor_below], k, w_below, f_below, after))
 
 
 @njit(**PART)
-def expand(dofs, elements, terms, r, series):
-    """Series of the velocities, up to the order at which two terms of all accelerations in a row are small enough or
-    the highest one. Returns whether they are; the order goes to run.order."""
-    n, h, count, has_lean, has_lines = r.n, r.h, r.active, r.has_lean, r.lines > 0
-    least = ORDER_FROM_REST if r.still else MIN_ORDER
-    most = max(r.max_order, least)
-    small, k, size = 0, np.int64(1), 0.0  # for the constant 1 all that takes k would be compiled once more
+def expand(dofs, elements, terms, run, series):
+    """Expand the velocities of a step as series; return whether they converge.
+
+    They end at the order at which two terms of all accelerations in a row are small enough, or at the highest one; the
+    order goes to run.order.
+    """
+    n = run.n
+    h = run.h
+    count = run.active
+    has_lean = run.has_lean
+    has_lines = run.lines > 0
+    least = ORDER_FROM_REST if run.still else MIN_ORDER
+    most = max(run.max_order, least)
+    # for the constant 1 all that takes k would be compiled once more
+    small = 0
+    k = np.int64(1)
+    size = 0.0
     while (small < 2 or k <= least) and k < most and size < DIVERGED:
-        part, after = h * INVERSE[k], h * INVERSE[k + 1]
-        size = _push_of_links(dofs, elements, terms, series, count, k, part) if count else 0.0
+        part = h * INVERSE[k]
+        after = h * INVERSE[k + 1]
+        size = _push_links(dofs, elements, terms, series, count, k, part) if count else 0.0
         if has_lines:
             if has_lean:
                 size = max(size, _walk_up_twisting(dofs, elements, n, k, part, after, True))
@@ -245,22 +298,23 @@ def expand(dofs, elements, terms, r, series):
             size = max(size, _walk_up(dofs, elements, n, k, part, after, False))
         small = small + 1 if size < 1.0 else 0
         k += 1
-    r.order = k
+    run.order = k
     return small > 1
 
 
 @njit(**PART)
-def shrink(dofs, elements, r, series):
-    """The part of the step in which the last two terms are small enough [-]; NaN beyond the range of doubles."""
+def find_converged_part(dofs, elements, run, series):
+    """Return the part of the step in which the last two terms are small enough [-]; NaN beyond the range of doubles."""
     worst = 0.0
-    for k in (r.order - 1, r.order):
+    for k in (run.order - 1, run.order):
         size = 0.0
-        for i in range(r.n):
-            size = max(size, abs(dofs[i].w[k]) * k / r.h * dofs[i].allowed)
-        for a in range(r.active):
+        for i in range(run.n):
+            size = max(size, abs(dofs[i].w[k]) * k / run.h * dofs[i].allowed)
+        for a in range(run.active):
             el = elements[series[a].element]
             if not el.acts:
-                one, other = dofs[el.left], dofs[el.right]
+                one = dofs[el.left]
+                other = dofs[el.right]
                 most = max(one.inv_mass * one.allowed, other.inv_mass * other.allowed)
                 size = max(size, abs(series[a].f[k - 1]) * most)
         if not size < 1e300:
@@ -271,24 +325,26 @@ def shrink(dofs, elements, r, series):
 
 
 @njit(**CALLED)
-def shorten(dofs, r, series, ratio):
-    """Shorten a step whose series do not converge to about `ratio` of it: the motion is the same, s is measured anew.
-    Whether it was."""
+def shorten(dofs, run, series, ratio):
+    """Shorten a step whose series do not converge to about `ratio` of it; return whether it was.
+
+    The motion is the same; s is measured anew.
+    """
     if not ratio < 1.0:
         return False
     if ratio > 0.1:
         ratio = 1.0 / np.ceil(1.0 / ratio)
-        r.longest = r.h * ratio
+        run.longest = run.h * ratio
     power = 1.0
-    for k in range(r.order + 1):
-        for i in range(r.n):
+    for k in range(run.order + 1):
+        for i in range(run.n):
             dofs[i].w[k] *= power
-        for a in range(r.active):
-            s = series[a]
-            s.v[k] *= power
-            s.rate[k] *= power
-            s.f[k] *= power
+        for a in range(run.active):
+            row = series[a]
+            row.v[k] *= power
+            row.rate[k] *= power
+            row.f[k] *= power
         power *= ratio
-    r.h *= ratio
-    r.g1 *= ratio
+    run.h *= ratio
+    run.g1 *= ratio
     return True

@@ -20,17 +20,17 @@ from pounding_cli.model.effects import effects_of
 from pounding_cli.model.links import Link
 from pounding_cli.model.parts import divide_scene
 from pounding_cli.model.scene import Scene
-from pounding_cli.solver import assemble, outcome, records
-from pounding_cli.solver.assemble import MOST_EVENTS, MOST_STEPS, Layout, layout_of, records_of, segments, term_matrix
-from pounding_cli.solver.kernels import FIXED_STEP_KERNEL, FOLDER, kernel_for, mark_compiled
+from pounding_cli.solver import outcome, records
+from pounding_cli.solver.assemble import MAX_EVENTS, MAX_STEPS, InitialState, build_records
+from pounding_cli.solver.balance import balance_energies, compute_energy_of_lines, compute_energy_of_storeys
+from pounding_cli.solver.flags import build_collapse_flag, list_flags
+from pounding_cli.solver.kernels import FIXED_STEP_KERNEL, FOLDER, find_kernel, mark_compiled
+from pounding_cli.solver.layout import Layout, build_layout, build_term_matrix
 from pounding_cli.solver.parts import join_responses
 from pounding_cli.solver.records import Data, Room
 from pounding_cli.solver.response import COLLAPSED, DONE, Flag, Response, no_peaks
 from pounding_cli.solver.rest import NO_RESIDUAL_DRIFT, find_rest
-
-InitialState = tuple[Sequence[np.ndarray], Sequence[np.ndarray]]
-"""Floor displacements [m] and velocities [m/s] relative to the ground, one array (n,) a building; of one whose floors
-twist (n,), or (2n,) with the rotations [rad] and their rates [rad/s] behind them."""
+from pounding_cli.solver.segments import Segments, build_segments, join_segments
 
 
 def solve(
@@ -38,7 +38,7 @@ def solve(
     accuracy: float = 1e-6,
     method: str = "taylor",
     initial: InitialState | None = None,
-    bounds: tuple[int, int] = (MOST_STEPS, MOST_EVENTS),
+    bounds: tuple[int, int] = (MAX_STEPS, MAX_EVENTS),
     *,
     time_step: float | None = None,
     least_steps: int = 1,
@@ -92,7 +92,7 @@ def solve_all(
             of_parts = solve_all([each.scene for each in parts], accuracy, method, time_step=time_step)
             responses[number] = join_responses(scene, parts, of_parts)
         else:
-            numbers_by_layout.setdefault(layout_of(scene), []).append(number)
+            numbers_by_layout.setdefault(build_layout(scene), []).append(number)
     for numbers in numbers_by_layout.values():
         run = prepare_run([scenes[number] for number in numbers], accuracy, method, time_step=time_step)
         run.integrate()
@@ -122,9 +122,9 @@ class SceneRun:
     def integrate(self) -> None:
         """Run the scenes, with a kernel that is loaded or compiled first where necessary."""
         self.seconds = np.zeros(len(self.scenes))
-        self.integrate_records(self.data, np.arange(len(self.scenes)), [segments(scene) for scene in self.scenes])
+        self.integrate_records(self.data, np.arange(len(self.scenes)), [build_segments(scene) for scene in self.scenes])
 
-    def integrate_records(self, data: Data, places: np.ndarray, grounds: Sequence[assemble.Segments]) -> None:
+    def integrate_records(self, data: Data, places: np.ndarray, grounds: Sequence[Segments]) -> None:
         """Run the records of the scenes at `places` through their `grounds`, one a scene."""
         if self.method.takes_step:
             for row, place in enumerate(places.tolist()):
@@ -132,14 +132,14 @@ class SceneRun:
             return
         from pounding_cli.solver.run import integrate as kernel
 
-        arguments = (*data, *assemble.join_segments(grounds))
-        load_kernel(kernel_for(False, data.room is not None), kernel, arguments)
+        arguments = (*data, *join_segments(grounds))
+        load_kernel(find_kernel(False, data.room is not None), kernel, arguments)
         begin = time.perf_counter()
         kernel(*arguments)
         steps = data.run["steps"]
         self.seconds[places] += (time.perf_counter() - begin) * steps / max(steps.sum(), 1)
 
-    def _march(self, data: Data, row: int, number: int, ground: assemble.Segments) -> None:
+    def _march(self, data: Data, row: int, number: int, ground: Segments) -> None:
         """Run one of the scenes by a method of fixed time steps; not where the step is too long."""
         from pounding_cli.solver import fixed_step
 
@@ -149,7 +149,7 @@ class SceneRun:
         dt = scene.motion.dt
         parts = max(1, ceil(dt / self.time_step - 1e-9))  # the fewest in a sample that are not longer
         if self.method.name == "central-difference":
-            limit = fixed_step.central_difference_limit(self.layout, elements, scene.links)
+            limit = fixed_step.find_longest_stable_step(self.layout, elements, scene.links)
             if dt / parts > limit:
                 data.run["status"][row] = records.UNSTABLE
                 self.step_limits[number] = limit
@@ -158,7 +158,7 @@ class SceneRun:
         arguments = (
             data.dofs[row], elements, data.terms, data.run[row : row + 1],
             data.series[row], data.columns[row], Room(room.states[row], room.formulas[row]),
-            *ground, elements.view(np.float64), term_matrix(self.layout), parts,
+            *ground, elements.view(np.float64), build_term_matrix(self.layout), parts,
             fixed_step.FIXED.index(self.method.name),
         )  # fmt: skip
         load_kernel(FIXED_STEP_KERNEL, fixed_step.march, arguments)
@@ -176,11 +176,11 @@ class SceneRun:
         with np.errstate(all="ignore"):  # a run that failed may have ended at any numbers
             energies = {}
             if not self.method.takes_step:
-                energies = outcome.balance(self.layout, data, scenes, self.initial_energy)
+                energies = balance_energies(self.layout, data, scenes, self.initial_energy)
             residuals = energies.get("residual", np.zeros(len(scenes)))
-            ends = outcome.ends_of(data, self.accuracy, residuals)
+            ends = outcome.find_outcomes(data, self.accuracy, residuals)
             rest = find_rest(self, np.array([status == DONE for status, _ in ends], bool))
-            peaks = outcome.peaks_of(self.layout, data, scenes, rest.drift)
+            peaks = outcome.build_peaks(self.layout, data, scenes, rest.drift)
         responses = []
         for number, end in enumerate(ends):
             energy = {name: float(values[number]) for name, values in energies.items()}
@@ -225,12 +225,12 @@ class SceneRun:
             peaks = no_peaks(storeys, len(scene.links), layout.most_lines)
             return Response(peaks, **facts, energy=no_energy, final=final, final_turns=final_turns)
         peaks = peaks.copy()
-        flags = outcome.flags_of(scene, peaks)
+        flags = list_flags(scene, peaks)
         if status == COLLAPSED:
-            building, storey = outcome.collapse_of(layout, self.data.elements[number])
+            building, storey = outcome.find_collapse(layout, self.data.elements[number])
             time = float(run["time"])
             outcome.put_collapse(peaks, layout, building, storey, time)
-            flags = (outcome.collapse_flag(layout.buildings[building].name, storey, time), *flags)
+            flags = (build_collapse_flag(layout.buildings[building].name, storey, time), *flags)
         if takes_step and run["trials"]:
             kind = "time steps cut in half, because Newton found no root where a contact force jumps"
             detail = f"{run['trials']} of {run['steps']} steps"
@@ -255,7 +255,7 @@ def prepare_run(
     accuracy: float = 1e-6,
     method: str = "taylor",
     initial: InitialState | None = None,
-    bounds: tuple[int, int] = (MOST_STEPS, MOST_EVENTS),
+    bounds: tuple[int, int] = (MAX_STEPS, MAX_EVENTS),
     *,
     time_step: float | None = None,
     times: np.ndarray | None = None,
@@ -274,8 +274,8 @@ def prepare_run(
         if reason:
             hint = "write `method: taylor`, which runs every scene"
             raise InputError(Problem(f"method {resolved_method.name} cannot run this scene: {reason}", hint))
-    layout = layout_of(scenes[0])
-    data = records_of(scenes, layout, accuracy, resolved_method, initial, times, bounds, least_steps)
+    layout = build_layout(scenes[0])
+    data = build_records(scenes, layout, accuracy, resolved_method, initial, times, bounds, least_steps)
     initial_energy = 0.0 if initial is None else _initial_energy(layout, data, scenes[0].links)
     step = setting if resolved_method.takes_step else nan
     return SceneRun(scenes, layout, data, resolved_method, accuracy, step, initial_energy)
@@ -290,11 +290,11 @@ def _initial_energy(layout: Layout, data: Data, links: Sequence[Link]) -> float:
     displacements = data.dofs["u0"][0]
     velocities = data.dofs["w"][0, :, 0]
     stiffness = data.elements["p"][0, :, 0]
-    deformations = term_matrix(layout) @ displacements
+    deformations = build_term_matrix(layout) @ displacements
     storey_forces = stiffness[:n] * deformations[:n]
-    stored, _ = outcome.stored_in_storeys(layout, deformations[:n], storey_forces, displacements)
+    stored, _ = compute_energy_of_storeys(layout, deformations[:n], storey_forces, displacements)
     lines = layout.of_lines
-    in_lines, _ = outcome.stored_in_lines(layout, deformations[lines], stiffness[lines] * deformations[lines])
+    in_lines, _ = compute_energy_of_lines(layout, deformations[lines], stiffness[lines] * deformations[lines])
     in_links = sum(
         link.law.stored_energy(float(closing), float(k * closing))
         for link, closing, k in zip(links, deformations[layout.of_links], stiffness[layout.of_links], strict=True)

@@ -1,4 +1,4 @@
-"""What accuracy costs: error and time of every method at every setting on given scenes.
+"""Error and time of every method at every setting on given scenes: the cost of accuracy.
 
 Errors are against Taylor with events at `REFERENCE`, which a second located method confirms; the difference of the two
 is measured and kept, because no error below it means anything."""
@@ -24,11 +24,16 @@ QUANTITIES = ("V", "mu", "acceleration", "force")
 """Peak storey shear, peak ductility, peak floor acceleration, peak link force."""
 
 REFERENCE = ("taylor", 1e-12)
-SECOND = ("dop853", 1e-11)
-"""Methods and settings of the reference and of what confirms it."""
+"""Method and setting of the reference."""
 
-MAX_REPEATS, REPEATED = 20, 0.1
-"""A run is repeated up to so often, or until its repeats took so long [s] together; the least counts."""
+SECOND = ("dop853", 1e-11)
+"""Method and setting of the run that confirms the reference."""
+
+MAX_REPEATS = 20
+"""Most repeats of a run; the least time counts."""
+
+MAX_REPEAT_TIME = 0.1
+"""Time of all repeats of a run together after which it is not repeated again [s]."""
 
 WARM_UP = 3
 """Samples of the motion that a method sees before it is timed, so that compiling is not."""
@@ -57,12 +62,13 @@ class WorkPrecision:
     compiling: float = 0.0
 
 
-def errors_of(found: Response, reference: Response) -> dict[str, float]:
-    """Largest relative errors by QUANTITIES [-]; forces are relative to the scene's largest."""
+def find_errors(found: Response, reference: Response) -> dict[str, float]:
+    """Return the largest relative errors by QUANTITIES [-]; forces are relative to the scene's largest."""
     worst = dict.fromkeys(QUANTITIES, 0.0)
     fields = {"V": "shear", "mu": "ductility", "acceleration": "acceleration"}
     for quantity, name in fields.items():
-        x, y = found.peaks[name], reference.peaks[name]
+        x = found.peaks[name]
+        y = reference.peaks[name]
         moving = np.nan_to_num(y) != 0
         worst[quantity] = float(np.max(np.abs(x[moving] / y[moving] - 1), initial=0.0))
     force = reference.links.peak_force
@@ -71,13 +77,18 @@ def errors_of(found: Response, reference: Response) -> dict[str, float]:
     return worst
 
 
-def chosen(names: Sequence[str]) -> tuple[str, ...]:
-    """Methods by name, all of them when none is named.  Raises `InputError` for a name that is no method."""
+def resolve_methods(names: Sequence[str]) -> tuple[str, ...]:
+    """Return methods by name, all of them when none is named.
+
+    Raises
+    ------
+    InputError : a name is that of no method
+    """
     return tuple(dict.fromkeys(get_method(name).name for name in names)) or tuple(METHODS)
 
 
-def _solved(scene: Scene, name: str, setting: float) -> Response:
-    """The response by a method at a value of its setting."""
+def _solve_at(scene: Scene, name: str, setting: float) -> Response:
+    """Return the response by a method at a value of its setting."""
     told = {METHODS[name].setting.key: setting}
     return solve(scene, method=name, **told)  # type: ignore[arg-type]
 
@@ -91,8 +102,12 @@ def measure(
     Of each method the settings are tried from coarse to fine, one at least, as long as its share lasts. The budget is
     wall time, in which compiling does not count.
     """
-    runs, references, left_out = list[dict[str, Any]](), list[dict[str, Any]](), list[str]()
-    skipped, spent, compiling = Counter[tuple[str, float]](), 0.0, 0.0
+    runs = list[dict[str, Any]]()
+    references = list[dict[str, Any]]()
+    left_out = list[str]()
+    skipped = Counter[tuple[str, float]]()
+    spent = 0.0
+    compiling = 0.0
     records = list(dict.fromkeys(place["record"] for place, _ in subjects))
     order = sorted(subjects, key=lambda subject: records.index(subject[0]["record"]))
     ended = "the budget ended (--budget gives more)"
@@ -105,16 +120,17 @@ def measure(
         able = [name for name in methods if not explain_refusal(METHODS[name], scene)]
         short = dataclasses.replace(scene, motion=scene.motion.cut_to(WARM_UP * scene.motion.dt))
         for name in {*able, REFERENCE[0], SECOND[0]}:
-            _solved(short, name, 1e-4)
+            _solve_at(short, name, 1e-4)
         compiled = time.perf_counter()
-        reference, second = _solved(scene, *REFERENCE), _solved(scene, *SECOND)
+        reference = _solve_at(scene, *REFERENCE)
+        second = _solve_at(scene, *SECOND)
         if reference.status == second.status == DONE:
             impacts = int(np.abs(reference.links.impacts - second.links.impacts).sum())
-            references.append({**place, **errors_of(second, reference), "impacts": impacts})
+            references.append({**place, **find_errors(second, reference), "impacts": impacts})
             together = sum(other["record"] == place["record"] for other, _ in order[number:])
             share = ((budget - spent) / together - (time.perf_counter() - compiled)) / len(methods)
             for name in able:
-                rows = list(_tried(scene, name, reference, share))
+                rows = list(_iter_runs(scene, name, reference, share))
                 runs += [{**place, **row} for row in rows]
                 skipped.update((name, setting) for setting in METHODS[name].setting.trial_values[len(rows) :])
         else:
@@ -127,31 +143,38 @@ def measure(
     return WorkPrecision(runs, references, left_out, spent, compiling)
 
 
-def noise_of_least(seconds: Sequence[float]) -> float:
-    """Return how well the least of some repeats can be repeated [s]: by how much those of every other one differ; 0 of
-    one time, which tells nothing."""
+def estimate_noise(seconds: Sequence[float]) -> float:
+    """Return how well the least of some repeats can be repeated [s]; 0 of one time, which tells nothing.
+
+    It is by how much those of every other repeat differ.
+    """
     return abs(min(seconds[::2]) - min(seconds[1::2])) if len(seconds) > 1 else 0.0
 
 
-def _tried(scene: Scene, name: str, reference: Response, allowed: float) -> Iterator[dict[str, Any]]:
-    """Runs of one method from coarse to fine, one at least, as far as the time allowed [s] reaches."""
-    begin, last, before, settings = time.perf_counter(), 0.0, 0.0, METHODS[name].setting.trial_values
+def _iter_runs(scene: Scene, name: str, reference: Response, allowed: float) -> Iterator[dict[str, Any]]:
+    """Yield the runs of one method from coarse to fine, one at least, as far as the time allowed [s] reaches."""
+    begin = time.perf_counter()
+    last = 0.0
+    before = 0.0
+    settings = METHODS[name].setting.trial_values
     for setting in settings:
         longer = before / setting if METHODS[name].takes_step else 1.0
         if last and time.perf_counter() - begin + last * longer > allowed:
             return
-        found = _solved(scene, name, setting)
-        seconds, done = [found.seconds], found.status == DONE
-        repeated = min(REPEATED, allowed / len(settings))
+        found = _solve_at(scene, name, setting)
+        seconds = [found.seconds]
+        done = found.status == DONE
+        repeated = min(MAX_REPEAT_TIME, allowed / len(settings))
         while done and len(seconds) < MAX_REPEATS and sum(seconds) + found.seconds < repeated:
-            seconds.append(_solved(scene, name, setting).seconds)
-        errors = errors_of(found, reference) if done else dict.fromkeys(QUANTITIES, np.nan)
+            seconds.append(_solve_at(scene, name, setting).seconds)
+        errors = find_errors(found, reference) if done else dict.fromkeys(QUANTITIES, np.nan)
         yield {
             "method": name, "setting": setting, "status": found.status, "seconds": min(seconds),
-            "seconds_noise": noise_of_least(seconds),
+            "seconds_noise": estimate_noise(seconds),
             "steps": found.steps, "events": found.events, **{f"error_{q}": error for q, error in errors.items()},
             "impacts": int(found.links.impacts.sum()) if done else np.nan,
             "impacts_reference": int(reference.links.impacts.sum()),
             "energy_residual": found.energy.get("residual", np.nan), "advice": found.advice,
         }  # fmt: skip
-        last, before = found.seconds, setting
+        last = found.seconds
+        before = setting

@@ -37,10 +37,10 @@ def copied(tmp_path):
     (tmp_path / "records").symlink_to(ROOT / "records")
     function, call, entry, use = (
         next(block.text for block in blocks(PAGE) if mark in block.text)
-        for mark in ("def _heun(", "FIXED =", '"heun", "Heun", 2', "roofs = []")
+        for mark in ("def _step_by_heun(", "FIXED =", '"heun", "Heun", 2', "roofs = []")
     )
     listed, called = call.split("\n", 1)
-    last, end = "            else:\n                found = _newmark", ")  # fmt: skip\n\nMETHODS"
+    last, end = "            else:\n                found = _step_by_newmark", ")  # fmt: skip\n\nMETHODS"
     _replace(
         tmp_path / "pounding_cli" / "solver" / "fixed_step.py",
         ('FIXED = ("central-difference", "newmark")', listed),

@@ -23,7 +23,7 @@ from pounding_cli.batch.progress import Progress
 from pounding_cli.model.effects import DroppedEffect, effects_of, summarize_effects
 from pounding_cli.model.links import Link, link_places
 from pounding_cli.solver import solve as solver
-from pounding_cli.solver.assemble import layout_of
+from pounding_cli.solver.layout import build_layout
 from pounding_cli.study import make_plan, study_of
 
 STIFF, SOFT = (pound.building(name, storeys=n, period=t) for name, n, t in (("stiff", 2, 0.2), ("soft", 3, 0.5)))
@@ -71,7 +71,7 @@ def numbers(response):
 
 def test_scenes_solved_together_have_the_numbers_of_each_alone():
     mine = scenes()
-    assert len({layout_of(scene) for scene in mine}) < len(mine)
+    assert len({build_layout(scene) for scene in mine}) < len(mine)
     together = solver.solve_all(mine)
     assert [numbers(each) for each in together] == [numbers(pound.solve(scene)) for scene in mine]
     assert all(each.seconds > 0 for each in together)

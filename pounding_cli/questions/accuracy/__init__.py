@@ -65,9 +65,9 @@ def measure_accuracy(
     ------
     InputError : a name that is not there
     """
-    from pounding_cli.solver.work_precision import chosen, measure
+    from pounding_cli.solver.work_precision import measure, resolve_methods
 
-    names = chosen(methods)
+    names = resolve_methods(methods)
     subjects = list_subjects(study, cases, records)
     return Measurement(study.title, command, measure(subjects, names, budget, tell))
 

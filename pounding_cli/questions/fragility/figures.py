@@ -87,7 +87,7 @@ def _describe_curves(results: ResultTables, rows: pd.DataFrame) -> str:
 def draw_curves(evidence: Evidence, analysis: str) -> Figure:
     """Draw probability against intensity: a panel for each limit and building or pair."""
     results = evidence.results
-    method = results.resolved["fragility"]["method"]
+    method = results.study_data["fragility"]["method"]
     median = median_column(results.answer(CURVES).column("median"))
     curves, motions, points = (
         _select(evidence.rows_here(results.answer(name).frame), analysis=analysis) for name in (CURVES, MOTIONS, POINTS)
@@ -116,7 +116,7 @@ def _select(frame: pd.DataFrame, **values: Any) -> pd.DataFrame:
 
 def _caption_curves(evidence: Evidence, curves: pd.DataFrame, case_count: int) -> str:
     """Return what the figure of curves shows besides its axes."""
-    spec = evidence.results.resolved["fragility"]
+    spec = evidence.results.study_data["fragility"]
     point = evidence.format_point(curves)
     sentences = [f"At {point}."] if point else []
     sentences.append(_MARKERS[spec["method"]])

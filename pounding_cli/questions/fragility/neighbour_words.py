@@ -22,7 +22,7 @@ def describe_drawn(results: ResultTables) -> str:
     if NEIGHBOURS not in results.answers:
         return ""
     names = list_drawn_names(results, results.answer(NEIGHBOURS))
-    buildings = results.resolved["buildings"]
+    buildings = results.study_data["buildings"]
     count = int(results.answer(NEIGHBOURS).frame["neighbours"].iloc[0])
     seen = join_limited(describe_seen(buildings[name], name) for name in names)
     motions = pluralize(len(results.names("record")), "motion")

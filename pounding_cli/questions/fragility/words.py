@@ -114,14 +114,14 @@ def list_sentences(results: ResultTables) -> list[str]:
 
 def format_confidence(results: ResultTables) -> str:
     """Return the confidence of all intervals: "90 %"."""
-    return f"{100 * results.resolved['fragility']['confidence']:.4g} %"
+    return f"{100 * results.study_data['fragility']['confidence']:.4g} %"
 
 
 def describe_measure(results: ResultTables) -> str:
     """Return the intensity measure in words: "pseudo-acceleration at 0.5 s"."""
-    scale = results.resolved["records"]["scale"]
+    scale = results.study_data["records"]["scale"]
     swept = next((name for key, name in INTENSITY_KEYS.items() if key in results.units), "pga")
-    measure = str(results.resolved["fragility"].get("intensity") or swept)
+    measure = str(results.study_data["fragility"].get("intensity") or swept)
     if measure == "sa" and isinstance(scale, dict) and "period" in scale:
         measure = f"sa({scale['period']:g} s)"
     name, _, period = measure.partition("(")
@@ -391,7 +391,7 @@ def list_notes(results: ResultTables) -> list[str]:
 
 
 def _iter_notes(results: ResultTables, curves: pd.DataFrame) -> Iterator[str]:
-    spec = results.resolved["fragility"]
+    spec = results.study_data["fragility"]
     fewest = int(curves["motions"].min())
     if fewest < MIN_MOTIONS:
         motions = pluralize(fewest, "motion")

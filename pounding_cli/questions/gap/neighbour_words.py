@@ -45,9 +45,9 @@ def _list_drawn_places(evidence: GapEvidence, pair: tuple[str, str]) -> list[str
     results = evidence.results
     if NEIGHBOURS_TABLE not in results.answers:
         return []
-    type_by_place = dict(zip(results.resolved["places"], results.resolved["group"], strict=True))
+    type_by_place = dict(zip(results.study_data["places"], results.study_data["group"], strict=True))
     drawn_types = list_drawn_names(results, results.answer(NEIGHBOURS_TABLE))
-    buildings = results.resolved["buildings"]
+    buildings = results.study_data["buildings"]
     return [
         describe_seen(buildings[type_by_place[place]], place) for place in pair if type_by_place[place] in drawn_types
     ]

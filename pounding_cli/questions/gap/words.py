@@ -270,7 +270,7 @@ def _iter_code_notes(results: ResultTables) -> Iterator[str]:
     evaluated = set(results.answer(GAP_TABLE).frame["rule"])
     yield from _iter_partial_codes(results)
     yield from _iter_estimated_displacements(results)
-    settings = results.resolved.get("gap") or {}
+    settings = results.study_data.get("gap") or {}
     named = settings.get("codes") or ()
     others: list[str] = []
     for rule in CODE_RULES:
@@ -309,8 +309,8 @@ def _iter_estimated_displacements(results: ResultTables) -> Iterator[str]:
     """Yield the buildings whose displacement the Italian codes estimate by their height."""
     evaluated = set(results.answer(GAP_TABLE).frame["rule"])
     rules = [name for name in (NTC2018, NTC2008) if name in evaluated]
-    names = dict.fromkeys(results.resolved["group"])
-    buildings = {name: results.resolved["buildings"][name] for name in names}
+    names = dict.fromkeys(results.study_data["group"])
+    buildings = {name: results.study_data["buildings"][name] for name in names}
     estimated = [
         name
         for name, building in buildings.items()

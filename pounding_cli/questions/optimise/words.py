@@ -203,7 +203,7 @@ def describe_reduction(results: ResultTables) -> str:
     axes = results.swept[:-1]
     if axes:
         count = math.prod(len(results.axes[keys[0]]) for keys in axes)
-        words.append(f"{results.resolved['optimise']['over_sweep']} of {count} points of the sweep")
+        words.append(f"{results.study_data['optimise']['over_sweep']} of {count} points of the sweep")
     return ", ".join(filter(None, words))
 
 

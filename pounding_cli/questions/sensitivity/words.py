@@ -58,7 +58,7 @@ def list_tables(results: ResultTables) -> list[Table]:
 
 def list_notes(results: ResultTables) -> list[str]:
     """Return what intervals are, what an output is over the motions, and what has no value."""
-    spec = results.resolved["sensitivity"]
+    spec = results.study_data["sensitivity"]
     frame = results.answer(INDICES).frame
     samples = pluralize(int(frame["samples"].iloc[0]), "sample")
     notes = []
@@ -139,7 +139,7 @@ def describe_place(results: ResultTables, row: Row) -> str:
 
 def describe_motions(results: ResultTables) -> str:
     """Return what an output of a sample is over its motions: "mean of 5 motions"; "" where there is one motion."""
-    uncertain = results.resolved["uncertain"] or {}
+    uncertain = results.study_data["uncertain"] or {}
     entries = uncertain if isinstance(uncertain, list) else [uncertain]
     choices = [entry[MOTION] for entry in entries if MOTION in entry]
     if choices == [ANY]:
@@ -147,7 +147,7 @@ def describe_motions(results: ResultTables) -> str:
     count = len(results.names("record"))
     if count == 1:
         return ""
-    words = f"{results.resolved['sensitivity']['over_motions']} of {count} motions"
+    words = f"{results.study_data['sensitivity']['over_motions']} of {count} motions"
     return f"{words} drawn with replacement" if choices == [BOOTSTRAP] else words
 
 
@@ -266,7 +266,7 @@ def _find_column(results: ResultTables, name: str, unit: Unit) -> Column:
 
 
 def _influence_column(results: ResultTables) -> str:
-    return INFLUENCES[results.resolved["sensitivity"]["method"]]
+    return INFLUENCES[results.study_data["sensitivity"]["method"]]
 
 
 def _other_keys(results: ResultTables) -> list[str]:
