@@ -36,10 +36,8 @@ def compare_one_sided_oscillator(solved: Any) -> Iterator[Row]:
     """Yield the frequency."""
     contacts = Meeting(solved.results.history(), GAP, "oscillator").find_contacts()
     exact = find_frequency(0.00650108331626, 1.0, 10.0, 50.0, GAP)
-    why = (
-        f"the force of the manual's stop sets in smoothly; the closed form is {exact:.5f}, the manual's formula 0.64622, "
-        "which has another time on the stop"
-    )
+    formula = "the manual's formula, whose time on the stop is another one, has 0.64622"
+    why = f"the force of the manual's stop sets in smoothly; the closed form is {exact:.5f}; {formula}"
     yield compare("frequency [Hz]", 0.64669392749957, 1 / np.diff(contacts)[0], ".5f", why)
 
 
