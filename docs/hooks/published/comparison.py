@@ -44,7 +44,7 @@ class Entry:
     """How the rows of a study are made.
 
     rows : the rows of the results of the study
-    command : what answers it: run, connector or wall
+    command : what answers it: run, gap, connector or wall
     folder : where it stands
     motions : files of installed packages that it needs beside it, each below the folder of its package
     draw : draws the figure of the page of its results, if it has one, into a file

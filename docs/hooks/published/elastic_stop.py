@@ -9,7 +9,7 @@ from comparison import Entry, Row, compare
 from meeting import Meeting
 
 
-def compare_stop(solved: Any) -> Iterator[Row]:
+def compare_elastic_stop(solved: Any) -> Iterator[Row]:
     """Yield force, duration and impulse of the blows, and the time between them."""
     meeting = Meeting(solved.results.history(), 0.0, "oscillator")
     start = meeting.find_contacts()[-2]
@@ -27,4 +27,4 @@ def compare_stop(solved: Any) -> Iterator[Row]:
     yield compare("speed of the second blow [m/s]", 1.0, abs(meeting.speed(second - 1e-4)), ".4f", "nothing is lost")
 
 
-ENTRY = Entry(compare_stop)
+ENTRY = Entry(compare_elastic_stop)
