@@ -81,6 +81,8 @@ MODELS = {
     "The file": study_model(),
     "`records`": records_spec.RecordsSpec,
     "`records.use`: a file of your own": records_spec.RecordFileSpec,
+    "`records.use`: a sinusoidal motion": records_spec.SineSpec,
+    "`records.use.sine`: several frequencies": records_spec.FrequencyRangeSpec,
     "`records.scale`: Arias intensity": records_spec.AriasSpec,
     "`records.scale`: peak acceleration": records_spec.PgaSpec,
     "`records.scale`: peak velocity": records_spec.PgvSpec,

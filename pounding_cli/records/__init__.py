@@ -28,5 +28,6 @@ from pounding_cli.records.motion_sets import (
 )
 from pounding_cli.records.reading import MOTION_FORMATS, Reading, read_file
 from pounding_cli.records.scaling import SpectrumMatch, TargetSpectrum, arias_factor, scale_factor, spectrum_factors
+from pounding_cli.records.sines import Sine
 from pounding_cli.records.text import MotionWarning
 from pounding_cli.records.units import ACCELERATION_UNITS, find_acceleration_unit

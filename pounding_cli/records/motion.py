@@ -31,7 +31,8 @@ class Motion:
     name : what tables and figures call it
     dt : time step [s], > 0
     acceleration : samples [m/s2], shape (n,), n >= 2, finite
-    source : label: "real", "stand-in", "user", or the set that the motion is of ("FEMA P695 far-field set, ...")
+    source : label: "real", "stand-in", "user", "sine", or the set that the motion is of ("FEMA P695
+        far-field set, ...")
     """
 
     name: str

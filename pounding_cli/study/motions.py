@@ -23,11 +23,13 @@ from pounding_cli.study.issues import Issue, Issues, IssuesFound, KeyPath, to_is
 from pounding_cli.study.records_spec import (
     AriasSpec,
     CodeTargetSpec,
+    MotionSpec,
     PgaSpec,
     PgvSpec,
     RecordFileSpec,
     RecordsSpec,
     SaSpec,
+    SineSpec,
     SpectrumSpec,
 )
 
@@ -57,17 +59,19 @@ class MotionItem:
     name : what tables call it
     file, spec : its file and how that is read; None of a motion of the catalogue or of a set
     set_motion : the motion of a set; None of any other
+    sine : a sinusoidal motion; None of any other
     """
 
     name: str
     file: Path | None = None
     spec: RecordFileSpec | None = None
     set_motion: records.SetMotion | None = None
+    sine: records.Sine | None = None
 
     @property
     def is_of_catalogue(self) -> bool:
         """Return whether it is a motion of the catalogue, with a duration and a scale in Table 1."""
-        return self.file is None and self.set_motion is None
+        return self.file is None and self.set_motion is None and self.sine is None
 
 
 @dataclass(frozen=True)
@@ -121,7 +125,7 @@ class MotionReader:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self.find_items: Callable[[str | RecordFileSpec], tuple[MotionItem, ...]] = functools.cache(self._find_items)
+        self.find_items: Callable[[MotionSpec], tuple[MotionItem, ...]] = functools.cache(self._find_items)
         self.read: Callable[[MotionItem], records.Reading | Motion] = functools.cache(self._read)
         self.used_motion: Callable[[MotionUse], Motion] = functools.lru_cache(MAX_USED)(self._used_motion)
 
@@ -134,6 +138,8 @@ class MotionReader:
         """Return the whole motion, with how it was read where it is a file.  Raises InputError: it cannot be read."""
         if item.set_motion is not None:
             return records.read_set_motion(item.set_motion)
+        if item.sine is not None:
+            return item.sine.build_motion()
         if item.file is None or item.spec is None:
             return records.load_motion(item.name)
         options: dict[str, Any] = item.spec.model_dump(exclude={"file", "name"})
@@ -144,8 +150,10 @@ class MotionReader:
         reading = self.read(item)
         return reading.motion if isinstance(reading, records.Reading) else reading
 
-    def _find_items(self, record: str | RecordFileSpec) -> tuple[MotionItem, ...]:
+    def _find_items(self, record: MotionSpec) -> tuple[MotionItem, ...]:
         """The motions an entry of `use` stands for.  Raises `InputError` where there is none."""
+        if isinstance(record, SineSpec):
+            return tuple(MotionItem(sine.name, sine=sine) for sine in record.list_sines())
         if isinstance(record, str):
             if record in records.list_names():
                 return (MotionItem(record),)
@@ -239,14 +247,14 @@ class _Sources:
         self.motions: dict[str, Motion] = {}
         self.doubts: list[Issue] = []
 
-    def take(self, record: str | RecordFileSpec, path: KeyPath, issues: Issues) -> None:
+    def take(self, record: MotionSpec, path: KeyPath, issues: Issues) -> None:
         """Take the motions of one entry of `use`.  Raises InputError where there is none."""
         items = self.reader.find_items(record)
         vertical: list[str] = []
         readings: list[records.Reading] = []
         for item in items:
             if item.name in self.items:
-                hint = "remove one" if item.set_motion is not None else "remove one, or give it another `name:`"
+                hint = "remove one" if item.file is None else "remove one, or give it another `name:`"
                 issues.add_written([Issue(path, f"the record '{item.name}' occurs twice", hint)])
                 continue
             try:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Literal
 
+import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field, WrapValidator, model_validator
 
 from pounding_cli.records.code_spectra import (
@@ -18,8 +20,10 @@ from pounding_cli.records.code_spectra import (
     NTC_TOPOGRAPHY,
     CodeSpectrum,
 )
+from pounding_cli.records.reading import MAX_PEAK
+from pounding_cli.records.sines import Sine
 from pounding_cli.records.units import ACCELERATION_UNITS, find_acceleration_unit
-from pounding_cli.study.base import Model, Name, SpecIssue, errors, spec_field, tagged_union, word_or
+from pounding_cli.study.base import Model, Name, SpecIssue, errors, spec_field, tagged_union
 from pounding_cli.study.file import nearest
 from pounding_cli.study.link_specs import RATIO
 from pounding_cli.study.quantity import ACCELERATION, PLAUSIBLE_RANGES, TIME, Quantity, WholeNumber, quote, refuse
@@ -38,6 +42,10 @@ Acceleration = Annotated[float, ACCELERATION]
 PEAK_VELOCITY = PLAUSIBLE_RANGES["peak velocity asked for"]
 Velocity = Annotated[float, Quantity("velocity", "m/s", "40 cm/s", 0.0, open_low=True, usual=PEAK_VELOCITY)]
 Number = Annotated[int, WholeNumber(1, 1000)]
+Frequency = Annotated[float, Quantity("frequency", "Hz", "1.25 Hz", 0.01, 100.0)]
+Amplitude = Annotated[float, ACCELERATION.replace(name="amplitude", example="0.3 m/s2", high=MAX_PEAK)]
+Cycles = Annotated[float, Quantity("number of cycles", "", "40", 0.5, 10000.0)]
+Ramp = Annotated[float, Quantity("number of cycles", "", "20", 0.0, 10000.0)]
 TimeStep = Annotated[float, TIME.replace(name="time step", example="0.01 s")]
 Window = Annotated[float | str, TIME.replace(name="window", example="10 s", words=("duration", "table1", "whole"))]
 Duration = Annotated[float | str, TIME.replace(name="duration", example="10 s", words=("auto", "table1", "whole"))]
@@ -62,6 +70,84 @@ class RecordFileSpec(Model):
     format: _Format | None = spec_field(None, "default: detected")
     channel: Number | None = spec_field(None, "channel of a file with several channels, from 1")
     column: Number | None = spec_field(None, "column of a table with the acceleration, from 1")
+
+
+class FrequencyRangeSpec(Model):
+    """Frequencies of sinusoidal motions, equally apart."""
+
+    first: Frequency = spec_field(..., "the lowest [Hz]", "0.5 Hz", alias="from")
+    last: Frequency = spec_field(..., "the highest [Hz]", "2.5 Hz", alias="to")
+    count: Number | None = spec_field(None, "how many; or write `step`", 21)
+    step: Frequency | None = spec_field(None, "how far apart [Hz]; or write `count`", "0.1 Hz")
+
+    def issues(self) -> Iterator[SpecIssue]:
+        ends = f"from {self.first:g} to {self.last:g} Hz"
+        if not self.first < self.last:
+            yield ("to",), f"the frequencies run {ends}", "write `to:` above `from:`"
+        elif (self.count is None) == (self.step is None):
+            hint = "write e.g. `{from: 0.5 Hz, to: 2.5 Hz, count: 21}`, or `step: 0.1 Hz` instead of `count:`"
+            yield (), "a range of frequencies has either `count` or `step`", hint
+        elif self.count == 1:
+            yield ("count",), "a range has two frequencies at least", "write `sine: 1 Hz` for a single one"
+        elif self.step is not None and not self._has_whole_steps(self.step):
+            message = f"steps of {self.step:g} Hz do not lead {ends}: that is {self._steps(self.step):.4g} steps"
+            yield ("step",), message, "change an end or the step, at most 1000 frequencies, or write `count:`"
+
+    def _steps(self, step: float) -> float:
+        """Return how many steps lead from the first frequency to the last."""
+        return (self.last - self.first) / step
+
+    def _has_whole_steps(self, step: float) -> bool:
+        """Return whether a whole number of steps leads from the first frequency to the last."""
+        steps = self._steps(step)
+        return 0.5 < steps < 1000 and math.isclose(steps, round(steps), rel_tol=1e-9)
+
+    def list_frequencies(self) -> tuple[float, ...]:
+        """Return the frequencies [Hz]."""
+        count = self.count
+        if self.step is not None:
+            count = round(self._steps(self.step)) + 1
+        return tuple(float(each) for each in np.linspace(self.first, self.last, count or 2))
+
+
+def _find_frequencies_kind(value: Any) -> str:
+    """Return how frequencies are written: as a list, as a range, or as one."""
+    if isinstance(value, list | tuple):
+        return "list"
+    return "range" if isinstance(value, dict | FrequencyRangeSpec) else "one"
+
+
+_Frequencies: Any = tagged_union(
+    _find_frequencies_kind,
+    list=Annotated[tuple[Frequency, ...], Field(min_length=1, max_length=1000)],
+    range=FrequencyRangeSpec,
+    one=Frequency,
+)
+
+
+class SineSpec(Model):
+    """A sinusoidal motion, or one of each of several frequencies."""
+
+    sine: _Frequencies = spec_field(
+        ..., "frequency [Hz], several in a list, or {from: 0.5 Hz, to: 2.5 Hz, count: 21}", "1.25 Hz"
+    )
+    amplitude: Amplitude = spec_field(..., "peak ground acceleration [m/s2]", "0.3 m/s2")
+    cycles: Cycles = spec_field(..., "number of cycles [-]", 40)
+    ramp: Ramp = spec_field(0.0, "number of the first cycles, in which it grows evenly to its amplitude [-]", 20)
+
+    def issues(self) -> Iterator[SpecIssue]:
+        if self.ramp > self.cycles:
+            message = f"the motion grows over {self.ramp:g} cycles and has {self.cycles:g}"
+            yield ("ramp",), message, "write a smaller `ramp:`, or more `cycles:`"
+
+    def list_sines(self) -> tuple[Sine, ...]:
+        """Return the motions."""
+        frequencies = self.sine
+        if isinstance(frequencies, FrequencyRangeSpec):
+            frequencies = frequencies.list_frequencies()
+        elif isinstance(frequencies, float):
+            frequencies = (frequencies,)
+        return tuple(Sine(frequency, self.amplitude, self.cycles, self.ramp) for frequency in frequencies)
 
 
 class AriasSpec(Model):
@@ -306,12 +392,26 @@ FACTOR = Quantity("scale factor", "", "1.5", 0.0, 1e6, open_low=True, words=("ta
 Scale: Any = tagged_union(_find_scale_kind, factor=Annotated[float | str, FACTOR], **_SCALES)
 
 
+def _find_motion_kind(value: Any) -> str:
+    """Return the kind of an entry of `use`: a word, a file or a sine."""
+    if isinstance(value, str | int | float | None):
+        return "word"
+    return "sine" if isinstance(value, SineSpec) or (isinstance(value, dict) and "sine" in value) else "file"
+
+
+MotionSpec = str | RecordFileSpec | SineSpec
+"""An entry of `use`."""
+
+_MotionSpecType: Any = tagged_union(_find_motion_kind, word=str, file=RecordFileSpec, sine=SineSpec)
+
+
 class RecordsSpec(Model):
     """The ground motions, the part of each that is used, and its scale."""
 
-    use: Annotated[tuple[word_or(str, RecordFileSpec), ...], Field(min_length=1, max_length=5000)] = spec_field(  # type: ignore[valid-type]
+    use: Annotated[tuple[_MotionSpecType, ...], Field(min_length=1, max_length=5000)] = spec_field(
         ...,
-        "catalogue names, sets of recorded motions (far-field), files, folders, patterns, {file: PATH, ...}",
+        "catalogue names, sets of recorded motions (far-field), files, folders, patterns, {file: PATH, ...}, "
+        "{sine: 1.25 Hz, ...}",
         ["elcentro", {"file": "motions/x.AT2"}],
     )
     duration: Duration = spec_field(

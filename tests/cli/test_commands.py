@@ -325,7 +325,8 @@ def test_templates_are_sound_and_carry_the_name(folder, pound, template):
 @pytest.mark.parametrize(
     ("like", "command", "written"),
     [
-        ("impact-oscillator", "run", {"mine.yaml", "harmonic.txt", "pound.schema.json"}),
+        ("impact-oscillator", "run", {"mine.yaml", "pound.schema.json"}),
+        ("eccentric-blow", "run", {"mine.yaml", "pulse.txt", "pound.schema.json"}),
         ("required-gap", "gap", {"mine.yaml", "pound.schema.json"}),
         ("paper-wall", "wall", {"mine.yaml"}),
     ],
@@ -355,10 +356,10 @@ def test_init_takes_a_template_or_a_study_but_not_both(folder, pound):
 
 
 def test_init_leaves_a_motion_of_the_users_alone(folder, pound):
-    Path("harmonic.txt").write_text("1\n2\n")
-    code, out, _ = pound("init", "mine", "--like", "impact-oscillator")
+    Path("pulse.txt").write_text("1\n2\n")
+    code, out, _ = pound("init", "mine", "--like", "eccentric-blow")
     assert (code, out) == (2, "")
-    assert Path("harmonic.txt").read_text() == "1\n2\n"
+    assert Path("pulse.txt").read_text() == "1\n2\n"
     assert not Path("mine.yaml").exists()
 
 

@@ -5,11 +5,14 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
 import pounding_cli
 from pounding_cli.cli.main import cli
+from pounding_cli.records.motion import spectrum, velocity
+from pounding_cli.records.sines import Sine
 
 STUDY = """\
 title: own motions
@@ -160,3 +163,37 @@ def test_the_summary_of_a_run_and_a_check_name_all_motions(motion, pound) -> Non
     run, checked = flat(pound("run", "[set/]").stdout), pound("check", "[set/]").stdout
     assert f"Motions: user: {', '.join(names)}" in run
     assert [name for name in names if f"\n  {name} " not in checked] == []
+
+
+def test_sines_swing_an_oscillator_as_the_closed_form(tmp_path: Path) -> None:
+    """From rest: u = -A / (w^2 - W^2) (sin W t - W / w sin w t).  Fails by a wrong amplitude, frequency or length."""
+    use = "[{sine: {from: 1.5 Hz, to: 3 Hz, step: 1.5 Hz}, amplitude: 0.2 g, cycles: 6}]"
+    text = STUDY.replace("§USE", use).replace("§DURATION", "whole").replace("§SCALE", "1.0")
+    text = text.replace("0.3 s}", "0.3 s, damping: 0 %, yield_shear: never}").replace("2 cm", "1 m")
+    study = tmp_path / "sines.yaml"
+    study.write_text(text, encoding="utf-8")
+    floors = pounding_cli.run(study, tmp_path / "sines.h5").floor().set_index(["building", "record"])
+    for building, period in (("stiff", 0.3), ("soft", 0.5)):
+        for frequency in (1.5, 3.0):
+            own, forced = 2 * math.pi / period, 2 * math.pi * frequency
+            times = np.linspace(0.0, 6 / frequency, 200_001)
+            factor = 0.2 * 9.80665 / (own**2 - forced**2)
+            swing = factor * (np.sin(forced * times) - forced / own * np.sin(own * times))
+            displacement = floors.loc[(building, f"sine {frequency:g} Hz"), "displacement"]
+            assert displacement == pytest.approx(np.abs(swing).max(), rel=2e-4)
+
+
+def test_a_half_cycle_is_a_pulse() -> None:
+    """Its area is the change of velocity 2 A / (2 pi f)."""
+    motion = Sine(frequency=5.0, amplitude=3.0, cycles=0.5).build_motion()
+    assert motion.duration == pytest.approx(0.1)
+    assert velocity(motion)[-1] == pytest.approx(3.0 / (math.pi * 5.0), rel=1e-4)
+
+
+def test_a_ramp_leaves_the_steady_motion() -> None:
+    """Response over static: 1 / sqrt((1 - r^2)^2 + (2 z r)^2).  Fails where the start from rest decides."""
+    motion = Sine(frequency=1.2, amplitude=1.0, cycles=120, ramp=80).build_motion()
+    ratio = 1.2 * 0.5
+    steady = 1.0 / math.hypot(1.0 - ratio**2, 2.0 * 0.05 * ratio)
+    assert spectrum(motion, [0.5], 0.05)[0] == pytest.approx(steady, rel=2e-3)
+    assert spectrum(Sine(1.2, 1.0, 120).build_motion(), [0.5], 0.05)[0] > 1.2 * steady

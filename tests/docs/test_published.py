@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from pages import hook
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 import pounding_cli
 from pounding_cli.errors import InputError
@@ -20,6 +21,9 @@ PUBLISHED = hook("published")
 IMPACT_OSCILLATOR = sys.modules["impact_oscillator"]
 ONE_SIDED_OSCILLATOR = sys.modules["one_sided_oscillator"]
 ROD_AND_ROD = sys.modules["rod_and_rod"]
+IMPACT_RESONANCE = sys.modules["impact_resonance"]
+IMPACT_DOUBLING = sys.modules["impact_doubling"]
+HERTZ_IMPACT = sys.modules["hertz_impact"]
 STUDIES = sys.modules["comparison"].STUDIES
 SOON = ("eccentric-blow",)
 """Studies that every run of the tests looks at; `make reference` and `make docs` run the others too."""
@@ -86,6 +90,52 @@ def test_end_of_a_rod_that_strikes_another():
         right = np.concatenate([here[1:], [0.0]])
         here, before = left + right - before, here
         here[-1] = 0.0
+
+
+def find_blows(w: float, r: float, s: float, number: int) -> tuple[list[float], list[float]]:
+    """Return times and speeds of blows of x'' + x = cos(w t) on a rigid wall at s, each found from the one before."""
+    amplitude = 1 / (1 - w**2)
+    times, speeds = [0.1], [0.3]
+    for _ in range(number):
+        start = times[-1]
+        even = s - amplitude * np.cos(w * start)
+        odd = w * amplitude * np.sin(w * start) - r * speeds[-1]
+
+        def reach(t, start=start, even=even, odd=odd):
+            return even * np.cos(t - start) + odd * np.sin(t - start) + amplitude * np.cos(w * t) - s
+
+        grid = start + np.linspace(1e-3, 20 * pi / w, 2000)
+        first = int(np.argmax(reach(grid) > 0))
+        end = brentq(reach, grid[first - 1], grid[first], xtol=1e-15)
+        times.append(end)
+        free = odd * np.cos(end - start) - even * np.sin(end - start)
+        speeds.append(float(free - w * amplitude * np.sin(w * end)))
+    return times, speeds
+
+
+@pytest.mark.parametrize(("w", "r", "s", "periods"), IMPACT_RESONANCE.OSCILLATORS)
+def test_speeds_of_blows_once_in_several_periods(w, r, s, periods):
+    """Fails if the closed form is not the speed that blows on a rigid wall settle at."""
+    times, speeds = find_blows(w, r, s, 60)
+    assert speeds[-1] == pytest.approx(IMPACT_OSCILLATOR.find_rigid_speed(w, r, s, periods), rel=1e-6)
+    assert times[-1] - times[-2] == pytest.approx(2 * pi * periods / w, rel=1e-6)
+
+
+@pytest.mark.parametrize(("w", "r"), IMPACT_DOUBLING.OSCILLATORS)
+def test_blows_alternate_beyond_the_wall_of_the_closed_form_only(w, r):
+    s = IMPACT_DOUBLING.find_doubling_wall(w, r)
+    _, before = find_blows(w, r, s - 1e-3, 800)
+    _, beyond = find_blows(w, r, s + 1e-3, 800)
+    assert abs(before[-1] - before[-2]) < 1e-5
+    assert abs(beyond[-1] - beyond[-2]) > 3e-3
+
+
+def test_blows_of_spheres_are_those_of_hertz(tmp_path):
+    """As closely as the storeys, of 1e-6 N/m, leave the spheres free."""
+    blows = PUBLISHED.solve_entry("hertz-impact", tmp_path).table("link").set_index("impact.hertz_stiffness")
+    for _, mass, stiffness, speed, _, _ in HERTZ_IMPACT.BLOWS:
+        exact = HERTZ_IMPACT.find_hertz_blow(mass, stiffness, speed)
+        assert tuple(blows.loc[stiffness, ["peak_force", "contact_time"]]) == pytest.approx(exact, rel=3e-6)
 
 
 def test_there_are_rows_with_numbers_on_both_sides():

@@ -16,16 +16,16 @@ from matplotlib.figure import Figure
 from pounding_cli.report.style import RC
 
 
-def find_rigid_speed(w: float, r: float, s: float) -> float:
-    """Return the speed of the blow that comes once in a period of x'' + x = cos(w t) with a rigid wall at s [-].
+def find_rigid_speed(w: float, r: float, s: float, periods: int = 1) -> float:
+    """Return the speed of the blow that comes once in some periods of x'' + x = cos(w t) with a rigid wall at s [-].
 
     Source: Shaw, S. W. & Holmes, P. J. (1983). A periodically forced piecewise linear oscillator. Journal of Sound and
     Vibration 90(1), 129-155.
     """
-    period = 2 * pi / w
+    lapse = 2 * pi * periods / w
     amplitude = 1 / (1 - w**2)
     loss = (1 - r) / w
-    turn = (1 + r) * sin(period) / (1 - cos(period))
+    turn = (1 + r) * sin(lapse) / (1 - cos(lapse))
     root = sqrt(amplitude**2 * turn**2 - (s**2 - amplitude**2) * loss**2)
     return 2 * (root - turn * s) / (turn**2 + loss**2)
 
