@@ -48,6 +48,8 @@ _NAME = re.compile(r"[A-Za-z]+|%")
 _SEPARATOR = re.compile(r"\s*([*/·.]?)\s*")
 _POWER = re.compile(r"(?:\*\*|\^)?(-?[0-9]{1,2}(?:\.[0-9]{1,3})?)|([²³])")
 
+_PERCENT_POWER = re.compile(r"%\s*(?:\*\*|\^|[-0-9²³])")
+
 _Powers = tuple[Fraction, Fraction, Fraction]
 _Size = tuple[Fraction, float, _Powers]
 # The part of a size that is exact, the part that is a root, and powers of kg, m and s.
@@ -64,7 +66,8 @@ def parse_unit(unit: str) -> tuple[float, Dimension]:
     ValueError : for an unknown unit
     """
     text = unit.strip()
-    if not text or len(text) > MAX_UNIT_LENGTH:
+    is_percent_of_percent = "%" in text and (text.count("%") > 1 or _PERCENT_POWER.search(text) is not None)
+    if not text or len(text) > MAX_UNIT_LENGTH or is_percent_of_percent:
         raise ValueError(unit)
     (exact, root, powers), end = _read_product(text, 2 if text.startswith("1/") else 0, text.startswith("1/"))
     if end < len(text):

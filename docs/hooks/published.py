@@ -107,7 +107,7 @@ def on_page_markdown(markdown: str, page: Any, **_: object) -> str:
     if page.file.src_uri != PAGE.name:
         return markdown
     for name, entry in ENTRIES.items():
-        if not entry.find_missing_packages():
+        if not entry.find_missing_sources():
             markdown = put_table(markdown, name, format_rows(find_rows(name)))
     return markdown
 
@@ -121,8 +121,8 @@ def main() -> None:
     if unknown := set(options.names) - set(ENTRIES):
         parser.error(f"there is no study {', '.join(sorted(unknown))}; there are {', '.join(ENTRIES)}")
     for name in options.names or ENTRIES:
-        if missing := ENTRIES[name].find_missing_packages():
-            print(f"## {name}\n\nneeds a motion of `pip install {' '.join(missing)}`\n")
+        if missing := ENTRIES[name].find_missing_sources():
+            print(f"## {name}\n\nneeds a motion of {', '.join(missing)}\n")
             continue
         with tempfile.TemporaryDirectory(prefix="published-") as folder:
             solved = solve_entry(name, Path(folder))

@@ -98,7 +98,7 @@ def _refuse_drawn_changes(question: Sensitivity) -> None:
 
 def _judge_claims(plan: Plan, data: xr.Dataset, question: Sensitivity) -> Iterator[Series]:
     """Return whether the claims of the paper hold at every sample; only studies that ask for them load xarray."""
-    from pounding_cli.paper.claims import at_samples
+    from pounding_cli.paper.verdicts import at_samples
 
     return at_samples(plan, data, question)
 

@@ -158,7 +158,7 @@ def _add_scenes_of_known_parts(plan: Plan, solved: Responses, cache: Cache) -> N
 
 
 @dataclass(frozen=True)
-class _Explained:
+class _Explanation:
     """Why time histories are not in the cache; as the attributes of a `Standing`."""
 
     causes: tuple[Cause, ...]
@@ -168,7 +168,7 @@ class _Explained:
 
 def _explain_missing(
     question: StudyQuestion, missing: np.ndarray, output: Path, unchanged: Path | None, cache: Cache
-) -> _Explained:
+) -> _Explanation:
     """Return why time histories of a question are not in the cache.
 
     missing : their numbers
@@ -176,7 +176,7 @@ def _explain_missing(
     """
     plan = question.plan
     if not missing.size:
-        return _Explained((), None, ())
+        return _Explanation((), None, ())
     causes: list[Cause] = []
     keys = cache.find_keys([plan.digests[number].tobytes() for number in missing.tolist()])
     version, *_ = solution_key(plan).split(" | ")
@@ -199,7 +199,7 @@ def _explain_missing(
     since = None if earlier is None else earlier.path
     rest = [plan.digests[number].tobytes() for number in missing.tolist()]
     reasons = tuple(_iter_reasons(rest, keys, solution_key(plan), output, since, cache.was_damaged))
-    return _Explained(tuple(causes), since, reasons)
+    return _Explanation(tuple(causes), since, reasons)
 
 
 def _is_of_other_version(keys: Mapping[bytes, set[str]], plan: Plan, number: int, version: str) -> bool:

@@ -13,8 +13,8 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.texts import escape_controls
 
 if TYPE_CHECKING:
+    from pounding_cli.imports.building import Choices, ImportedBuilding
     from pounding_cli.imports.pushover import Fit
-    from pounding_cli.imports.storeys import Choices, ImportedBuilding
     from pounding_cli.imports.tables import TableFile
     from pounding_cli.imports.writing import PlanSize
 
@@ -178,7 +178,7 @@ def _read_tables(path: Path, units: str | None) -> TableFile:
 
 def _build_choices(options: dict[str, Any]) -> Choices:
     """Return what the options say of the tables."""
-    from pounding_cli.imports.storeys import Choices
+    from pounding_cli.imports.building import Choices
 
     names = ("case", "step", "tower", "mode", "period")
     direction = options["direction"].upper()
@@ -262,7 +262,7 @@ def _describe_periods(building: ImportedBuilding, matches: bool) -> str:
     ------
     InputError : the stiffnesses are to be scaled, and the period of the model is not known
     """
-    from pounding_cli.imports.storeys import MAX_PERIOD_DIFFERENCE
+    from pounding_cli.imports.building import MAX_PERIOD_DIFFERENCE
 
     stick = building.stick_period
     if matches:

@@ -249,7 +249,7 @@ def report(
       pound report results/fig6.h5 results/fig7.h5 --no-figures
       pound report results/sweep.h5 --quantity mu_ratio --case touching --building soft --where storey=3
     """
-    from pounding_cli.paper.claims import list_claim_sections, list_verdicts
+    from pounding_cli.paper.verdicts import list_claim_sections, list_verdicts
     from pounding_cli.questions.reports import build_report, find_no_sweep
     from pounding_cli.report.style import OF_PAPERS, PAPER, drawing_for
 

@@ -11,18 +11,13 @@ from scipy.integrate import trapezoid
 from scipy.optimize import brentq
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.imports.storeys import (
-    OF_DIRECTION,
-    STEP_NUMBER,
-    STOREY,
-    Choices,
-    ImportedBuilding,
-    select_case,
-)
+from pounding_cli.imports.building import Choices, ImportedBuilding
+from pounding_cli.imports.headings import HEADINGS_OF_DIRECTION, STEP_NUMBER_HEADINGS, STOREY_HEADINGS
+from pounding_cli.imports.rows import select_case
 from pounding_cli.imports.tables import Column, ProgramTable, Row, TableFile
 from pounding_cli.numbers import join_limited
 from pounding_cli.reading import shorten_path
-from pounding_cli.report.style import finish, grid, shared_legend, styled
+from pounding_cli.report.style import finish, grid, shared_legend, with_style
 from pounding_cli.texts import escape_controls
 
 if TYPE_CHECKING:
@@ -141,13 +136,13 @@ def read_curves(tables: TableFile, choices: Choices) -> tuple[list[Curve], list[
     ------
     InputError : there is no such table, or a curve is none
     """
-    quantities = OF_DIRECTION[choices.direction]
-    table = tables.find_table_with(STOREY, quantities["drift"], quantities["shear"])
+    quantities = HEADINGS_OF_DIRECTION[choices.direction]
+    table = tables.find_table_with(STOREY_HEADINGS, quantities["drift"], quantities["shear"])
     if table is None:
         message = f"no table has the columns storey, drift and shear; the file has {tables.list_titles()}"
         hint = "write a row for each storey and step, with the headings `storey, drift [mm], shear [kN]`"
         raise InputError(Problem(message, hint, shorten_path(tables.path)))
-    storey = table.get_column(STOREY, "name of the storey")
+    storey = table.get_column(STOREY_HEADINGS, "name of the storey")
     drift = table.get_column(quantities["drift"], "interstorey drift")
     shear = table.get_column(quantities["shear"], "storey shear")
     rows, case = select_case(table, shear, choices, "that pushes the frame over")
@@ -163,7 +158,7 @@ def read_curves(tables: TableFile, choices: Choices) -> tuple[list[Curve], list[
 
 def _build_curve(table: ProgramTable, rows: Sequence[Row], name: str, drift: Column, shear: Column) -> Curve:
     """Return a curve from the rows of a storey.  Raises InputError: it does not rise from the origin."""
-    step = table.find_column(STEP_NUMBER)
+    step = table.find_column(STEP_NUMBER_HEADINGS)
     if step is not None and all(table.read_text(row, step) for row in rows):
         rows = sorted(rows, key=lambda row: table.read_number(row, step))
     drifts = np.array([table.read_quantity(row, drift, "m") for row in rows])
@@ -248,7 +243,7 @@ def _list_doubts(curve: Curve, fit: Fit) -> list[str]:
     return doubts
 
 
-@styled
+@with_style
 def draw_fits(curves: Sequence[Curve], fits: dict[str, Fit], title: str) -> Figure:
     """Draw the curve of every storey, from the roof down, with its two lines."""
     by_name = {curve.storey: curve for curve in curves}

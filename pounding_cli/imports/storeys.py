@@ -1,124 +1,32 @@
-"""Storeys of a building from the tables of a frame program: heights, masses, stiffnesses, eccentricities, periods."""
+"""Storeys of a building from the tables of a frame program: their names, heights and masses from the ground up."""
 
 from __future__ import annotations
 
-import math
-import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
+from pounding_cli.imports.building import Choices, ImportedBuilding
+from pounding_cli.imports.dynamics import read_eccentricity, read_period
+from pounding_cli.imports.headings import (
+    ELEVATION_HEADINGS,
+    HARDENING_HEADINGS,
+    HEADINGS_OF_DIRECTION,
+    HEIGHT_HEADINGS,
+    HEIGHT_TABLES,
+    MASS_TABLES,
+    STIFFNESS_TABLES,
+    STOREY_HEADINGS,
+    YIELD_SHEAR_HEADINGS,
+)
+from pounding_cli.imports.rows import get_row, read_positive, select_tower
+from pounding_cli.imports.stiffness import read_stiffness
+from pounding_cli.imports.storey_order import find_base_order, find_base_order_in_masses, find_order, find_shears
 from pounding_cli.imports.tables import Column, ProgramTable, Row, TableFile, normalize_name
-from pounding_cli.model.stiffness import frequencies
-from pounding_cli.numbers import join_limited, pluralize
 from pounding_cli.reading import shorten_path
 from pounding_cli.texts import escape_controls
-
-HEIGHT_TABLES = ("Story Definitions", "Story Data", "Storey Definitions", "Storey Data")
-MASS_TABLES = ("Mass Summary by Story", "Story Mass Summary", "Masses by Story")
-STIFFNESS_TABLES = ("Story Stiffness", "Storey Stiffness")
-PERIOD_TABLES = ("Modal Periods And Frequencies", "Modal Periods")
-RATIO_TABLES = ("Modal Participating Mass Ratios",)
-CENTRE_TABLES = ("Centers Of Mass And Rigidity", "Center Of Mass And Rigidity", "Centers Of Mass And Rigidity Data")
-
-STOREY = ("Story", "Storey", "Name", "Story Name", "Storey Name", "Level", "Floor")
-HEIGHT = ("Height", "Story Height", "Storey Height")
-ELEVATION = ("Elevation", "Elev", "Story Elevation")
-CASE = ("Output Case", "Load Case", "Load Case/Combo", "Case", "Case/Combo")
-STEP_TYPE = ("Step Type",)
-STEP_NUMBER = ("Step Number", "Step Num", "Step")
-TOWER = ("Tower",)
-MODE = ("Mode", "Step Num", "Step Number")
-PERIOD = ("Period",)
-YIELD_SHEAR = ("Yield shear", "Vy", "Strength", "Shear strength")
-HARDENING = ("Hardening", "Hardening ratio")
-"""Headings of a column, the best one first."""
-
-_SHEAR = ("Shear", "Story Shear", "Storey Shear", "V")
-_DRIFT = ("Drift", "Story Drift", "Storey Drift", "Interstorey Drift")
-OF_DIRECTION = {
-    direction: {
-        "mass": (f"U{direction}", f"U{number}", f"Mass {direction}", "Mass"),
-        "stiffness": (f"Stiff{direction}", f"Stiffness {direction}", "Stiffness", "K"),
-        "shear": (f"Shear {direction}", f"V{direction}", *_SHEAR),
-        "drift": (f"Drift {direction}", *_DRIFT),
-        "ratio": (f"U{direction}", f"U{number}"),
-    }
-    for number, direction in ((1, "X"), (2, "Y"))
-}
-"""Direction -> what is read -> headings, the best one first."""
-
-MAX_PERIOD_DIFFERENCE = 0.05
-"""Relative difference of the periods of stick and model beyond which storeys do not deform in shear alone."""
-
-
-@dataclass(frozen=True)
-class Choices:
-    """What the tables leave open, as options of the command say it.
-
-    direction : of the row, "X" or "Y"
-    case, step, tower : of the tables; "" where they leave no choice
-    order : "up" or "down": the order of the rows, where nothing else shows it; "" for none
-    mode : number of the mode whose period the stick is compared with; None: the first one along the row
-    period : of the model [s], where the tables have none; None for none
-    """
-
-    direction: str = "X"
-    case: str = ""
-    step: str = ""
-    tower: str = ""
-    order: str = ""
-    mode: int | None = None
-    period: float | None = None
-
-
-@dataclass
-class ImportedBuilding:
-    """A building from tables; arrays run from the ground up, shape (n,).
-
-    names : of the storeys
-    height [m], mass [kg], stiffness [N/m], yield_shear [N], hardening [-]
-    eccentricity : of the centres of stiffness from the centres of mass, across the row [m]; None where no table has it
-    model_period : of the model [s]; None where no table has it
-    mode_words : which mode that is
-    notes : which table and column was taken for what
-    warnings : what a reader must know
-    """
-
-    names: tuple[str, ...]
-    height: np.ndarray
-    mass: np.ndarray
-    stiffness: np.ndarray | None = None
-    yield_shear: np.ndarray | None = None
-    hardening: np.ndarray | None = None
-    eccentricity: np.ndarray | None = None
-    model_period: float | None = None
-    mode_words: str = ""
-    notes: list[str] = field(default_factory=list)
-    warnings: list[str] = field(default_factory=list)
-
-    @property
-    def stick_period(self) -> float:
-        """First period of the shear building on a fixed base [s]."""
-        assert self.stiffness is not None
-        return float(2 * math.pi / frequencies(self.mass, self.stiffness)[0])
-
-    def match_period(self) -> None:
-        """Scale the stiffnesses so that the first period is that of the model.
-
-        Raises
-        ------
-        InputError : the period of the model is not known
-        """
-        if self.model_period is None or self.stiffness is None:
-            message = "--match-period needs the period of the model, and no table has it"
-            raise InputError(Problem(message, f"export the table '{PERIOD_TABLES[0]}', or give --period 1.2 s"))
-        factor = (self.stick_period / self.model_period) ** 2
-        self.stiffness = self.stiffness * factor
-        self.notes.append(f"stiffnesses: scaled by {factor:.6g}, so that the first period is that of the model")
 
 
 def read_building(tables: TableFile, choices: Choices, needs_stiffness: bool = True) -> ImportedBuilding:
@@ -130,7 +38,7 @@ def read_building(tables: TableFile, choices: Choices, needs_stiffness: bool = T
     ------
     InputError : a table, column, row or number is missing or wrong, by name
     """
-    quantities = OF_DIRECTION[choices.direction]
+    quantities = HEADINGS_OF_DIRECTION[choices.direction]
     plain = _find_plain_table(tables, choices, needs_stiffness)
     if plain is not None:
         building = _read_plain_table(plain, choices, needs_stiffness)
@@ -139,9 +47,9 @@ def read_building(tables: TableFile, choices: Choices, needs_stiffness: bool = T
         building = _read_storeys(tables, choices)
         if needs_stiffness:
             table = _get_table(tables, STIFFNESS_TABLES)
-            _read_stiffness(table, table.get_column(quantities["stiffness"][:2], "storey stiffness"), building, choices)
-    _read_eccentricity(tables, building, choices)
-    _read_period(tables, building, choices)
+            read_stiffness(table, table.get_column(quantities["stiffness"][:2], "storey stiffness"), building, choices)
+    read_eccentricity(tables, building, choices)
+    read_period(tables, building, choices)
     return building
 
 
@@ -171,8 +79,8 @@ def _get_table(tables: TableFile, names: Sequence[str]) -> ProgramTable:
 
 def _find_plain_table(tables: TableFile, choices: Choices, needs_stiffness: bool) -> ProgramTable | None:
     """Return a table that has storeys, heights and masses together; None where there is none."""
-    quantities = OF_DIRECTION[choices.direction]
-    wanted = [STOREY, HEIGHT, quantities["mass"]]
+    quantities = HEADINGS_OF_DIRECTION[choices.direction]
+    wanted = [STOREY_HEADINGS, HEIGHT_HEADINGS, quantities["mass"]]
     if tables.find_table(HEIGHT_TABLES) is not None:
         return None
     with_stiffness = tables.find_table_with(*wanted, quantities["stiffness"])
@@ -181,32 +89,29 @@ def _find_plain_table(tables: TableFile, choices: Choices, needs_stiffness: bool
     return tables.find_table_with(*wanted)
 
 
-# Storeys and their order
-
-
 def _read_plain_table(table: ProgramTable, choices: Choices, needs_stiffness: bool) -> ImportedBuilding:
     """Return a building from one table with a row for each storey.  Raises InputError."""
-    quantities = OF_DIRECTION[choices.direction]
-    storey = table.get_column(STOREY, "name of the storey")
-    rows = _select_tower(table, table.rows, choices)
+    quantities = HEADINGS_OF_DIRECTION[choices.direction]
+    storey = table.get_column(STOREY_HEADINGS, "name of the storey")
+    rows = select_tower(table, table.rows, choices)
     columns = {
-        "height": (table.get_column(HEIGHT, "storey height"), "m"),
+        "height": (table.get_column(HEIGHT_HEADINGS, "storey height"), "m"),
         "mass": (table.get_column(quantities["mass"], "mass of the floor"), "kg"),
     }
     if needs_stiffness:
         columns["stiffness"] = (table.get_column(quantities["stiffness"], "storey stiffness"), "N/m")
-    for key, headings, si in (("yield_shear", YIELD_SHEAR, "N"), ("hardening", HARDENING, "")):
+    for key, headings, si in (("yield_shear", YIELD_SHEAR_HEADINGS, "N"), ("hardening", HARDENING_HEADINGS, "")):
         column = table.find_column(headings)
         if column is not None and needs_stiffness:
             columns[key] = (column, si)
     names = [table.read_text(row, storey) for row in rows]
     _refuse_twice(table, rows, storey, names)
-    place_of, reason = _find_order(table, rows, storey, names, [], choices)
+    place_of, reason = find_order(table, rows, storey, names, [], choices)
     ordered = [rows[place] for place in place_of]
     values: dict[str, Any] = {}
     notes = [f"order of the storeys: {reason}"]
     for key, (column, si) in columns.items():
-        values[key] = np.array([_read_positive(table, row, column, si, key == "hardening") for row in ordered])
+        values[key] = np.array([read_positive(table, row, column, si, key == "hardening") for row in ordered])
         notes.append(f"{key.replace('_', ' ')}: {table.describe_column(column)}")
     return ImportedBuilding(tuple(names[place] for place in place_of), notes=notes, **values)
 
@@ -214,9 +119,9 @@ def _read_plain_table(table: ProgramTable, choices: Choices, needs_stiffness: bo
 def _read_storeys(tables: TableFile, choices: Choices) -> ImportedBuilding:
     """Return heights and masses from the tables of ETABS.  Raises InputError."""
     table = _get_table(tables, HEIGHT_TABLES)
-    storey = table.get_column(STOREY, "name of the storey")
-    height = table.get_column(HEIGHT, "storey height")
-    rows = [row for row in _select_tower(table, table.rows, choices) if table.read_text(row, storey)]
+    storey = table.get_column(STOREY_HEADINGS, "name of the storey")
+    height = table.get_column(HEIGHT_HEADINGS, "storey height")
+    rows = [row for row in select_tower(table, table.rows, choices) if table.read_text(row, storey)]
     bases = [row for row in rows if _is_base(table, row, storey, height)]
     above = [row for row in rows if row not in bases]
     names = [table.read_text(row, storey) for row in above]
@@ -224,21 +129,19 @@ def _read_storeys(tables: TableFile, choices: Choices) -> ImportedBuilding:
         raise table.refuse("has no storey", "export it with a row for each storey")
     _refuse_twice(table, above, storey, names)
     mass_table = _get_table(tables, MASS_TABLES)
-    mass_rows = _select_tower(mass_table, mass_table.rows, choices)
-    mass_storey = mass_table.get_column(STOREY, "name of the storey")
+    mass_rows = select_tower(mass_table, mass_table.rows, choices)
+    mass_storey = mass_table.get_column(STOREY_HEADINGS, "name of the storey")
     mass_names = [mass_table.read_text(row, mass_storey) for row in mass_rows]
     _refuse_twice(mass_table, mass_rows, mass_storey, mass_names)
-    base_order = _find_base_order(rows, bases) or _find_base_order_in_masses(mass_names, names)
-    place_of, reason = _find_order(
-        table, above, storey, names, base_order, choices, _find_shears(tables, names, choices)
-    )
+    base_order = find_base_order(rows, bases) or find_base_order_in_masses(mass_names, names)
+    place_of, reason = find_order(table, above, storey, names, base_order, choices, find_shears(tables, names, choices))
     ordered = [above[place] for place in place_of]
     ordered_names = tuple(names[place] for place in place_of)
-    heights = np.array([_read_positive(table, row, height, "m") for row in ordered])
-    mass_column = mass_table.get_column(OF_DIRECTION[choices.direction]["mass"][:3], "mass of the floor")
+    heights = np.array([read_positive(table, row, height, "m") for row in ordered])
+    mass_column = mass_table.get_column(HEADINGS_OF_DIRECTION[choices.direction]["mass"][:3], "mass of the floor")
     by_name = dict(zip(mass_names, mass_rows, strict=True))
     masses = [
-        _read_positive(mass_table, _get_row(mass_table, by_name, name), mass_column, "kg") for name in ordered_names
+        read_positive(mass_table, get_row(mass_table, by_name, name), mass_column, "kg") for name in ordered_names
     ]
     building = ImportedBuilding(ordered_names, heights, np.array(masses))
     building.notes = [
@@ -258,7 +161,7 @@ def _read_storeys(tables: TableFile, choices: Choices) -> ImportedBuilding:
 
 def _check_elevations(table: ProgramTable, ordered: Sequence[Row], height: Column) -> None:
     """Make sure that elevations, where a table has them, are the sums of the heights.  Raises InputError."""
-    column = table.find_column(ELEVATION)
+    column = table.find_column(ELEVATION_HEADINGS)
     if column is None:
         return
     elevations = [table.read_quantity(row, column, "m") for row in ordered]
@@ -269,26 +172,11 @@ def _check_elevations(table: ProgramTable, ordered: Sequence[Row], height: Colum
             raise table.refuse(f"{rise}, the height {storey_height:.6g} m", "correct one of the two", row, column)
 
 
-def _select_tower(table: ProgramTable, rows: Sequence[Row], choices: Choices) -> list[Row]:
-    """Return the rows of the tower that is imported.  Raises InputError: there are several and none is chosen."""
-    column = table.find_column(TOWER)
-    if column is None:
-        return list(rows)
-    towers = list(dict.fromkeys(table.read_text(row, column) for row in rows))
-    if choices.tower in towers:
-        return [row for row in rows if table.read_text(row, column) == choices.tower]
-    if len(towers) > 1 or choices.tower:
-        there = join_limited([escape_controls(tower) for tower in towers], 300)
-        message = f"no tower '{choices.tower}'" if choices.tower else f"has {pluralize(len(towers), 'tower')}"
-        raise table.refuse(f"{message}: {there}", f"name one, e.g. --tower {escape_controls(towers[0])}")
-    return list(rows)
-
-
 def _is_base(table: ProgramTable, row: Row, storey: Column, height: Column) -> bool:
     """Return whether a row is the base, which has no storey below it."""
     if table.read_text(row, height) not in ("", "0"):
         return False
-    elevation = table.find_column(ELEVATION)
+    elevation = table.find_column(ELEVATION_HEADINGS)
     if elevation is None:
         return normalize_name(table.read_text(row, storey)) == "base"
     lowest = min(table.read_number(each, elevation) for each in table.rows)
@@ -304,330 +192,3 @@ def _refuse_twice(table: ProgramTable, rows: Sequence[Row], storey: Column, name
             first = rows[names.index(name)][0]
             message = f"storey '{escape_controls(name)}' stands in row {first} too"
             raise table.refuse(message, "leave one row for each storey", rows[place], storey)
-
-
-def _get_row(table: ProgramTable, by_name: dict[str, Row], name: str) -> Row:
-    """Return the row of a storey.  Raises InputError: there is none."""
-    if name not in by_name:
-        there = join_limited([escape_controls(each) for each in by_name], 300) or "none"
-        message = f"has no row for storey '{escape_controls(name)}'; it has {there}"
-        raise table.refuse(message, "export all storeys, with one name for a storey in all tables")
-    return by_name[name]
-
-
-def _find_base_order(rows: Sequence[Row], bases: Sequence[Row]) -> list[str]:
-    """Return "up" where the base is the first row of a table, "down" where it is the last."""
-    if len(bases) == 1 and bases[0] in (rows[0], rows[-1]) and len(rows) > 1:
-        return ["up" if bases[0] is rows[0] else "down"]
-    return []
-
-
-def _find_base_order_in_masses(mass_names: Sequence[str], names: Sequence[str]) -> list[str]:
-    """Return the order of the storeys that a base in the table of masses shows, if both tables have one order."""
-    storeys = [name for name in mass_names if name in names]
-    bases = [place for place, name in enumerate(mass_names) if normalize_name(name) == "base"]
-    if storeys != list(names) or bases not in ([0], [len(mass_names) - 1]):
-        return []
-    return ["up" if bases == [0] else "down"]
-
-
-def _find_shears(tables: TableFile, names: Sequence[str], choices: Choices) -> list[float]:
-    """Return the storey shears of one load case, in the order of `names`; empty where the tables do not have them."""
-    table = tables.find_table(STIFFNESS_TABLES)
-    column = table.find_column(OF_DIRECTION[choices.direction]["shear"]) if table is not None else None
-    storey = table.find_column(STOREY) if table is not None else None
-    if table is None or column is None or storey is None:
-        return []
-    case = table.find_column(CASE)
-    shears: dict[str, dict[str, float]] = {}
-    for row in table.rows:
-        name_of_case = table.read_text(row, case) if case is not None else ""
-        if choices.case in ("", name_of_case):
-            try:
-                shear = abs(float(table.read_text(row, column)))
-            except ValueError:
-                continue
-            of_case = shears.setdefault(name_of_case, {})
-            name = table.read_text(row, storey)
-            of_case[name] = max(shear, of_case.get(name, 0.0))
-    for of_case in shears.values():
-        if all(name in of_case for name in names) and max(of_case.values()) > 0.0:
-            return [of_case[name] for name in names]
-    return []
-
-
-def _find_order(
-    table: ProgramTable,
-    rows: Sequence[Row],
-    storey: Column,
-    names: Sequence[str],
-    base_order: Sequence[str],
-    choices: Choices,
-    shears: Sequence[float] = (),
-) -> tuple[list[int], str]:
-    """Return the places of the storeys from the ground up, and how that was found.
-
-    Raises
-    ------
-    InputError : nothing shows the order
-    """
-    places = list(range(len(names)))
-    if choices.order:
-        return (places if choices.order == "up" else places[::-1]), f"--order {choices.order}"
-    if len(places) == 1:
-        return places, "one storey"
-    elevation = table.find_column(ELEVATION)
-    if elevation is not None:
-        levels = [table.read_number(row, elevation) for row in rows]
-        return sorted(places, key=lambda place: levels[place]), f"by {table.describe_column(elevation)}"
-    evidence: dict[str, list[int]] = {}
-    if base_order:
-        side = "first" if base_order[0] == "up" else "last"
-        evidence[f"the base stands {side}"] = places if base_order[0] == "up" else places[::-1]
-    steps = np.diff(shears)
-    if steps.size and ((steps < 0).all() or (steps > 0).all()):
-        evidence["the storey shears grow towards the ground"] = places if (steps < 0).all() else places[::-1]
-    numbers = _find_numbers(names)
-    if numbers:
-        evidence["by the numbers in the names"] = sorted(places, key=lambda place: numbers[place])
-    hint = "give --order up, or --order down; or export the elevations"
-    if not evidence:
-        message = "nothing shows whether the storeys stand from the ground up or from the roof down"
-        raise table.refuse(message, hint, rows[0], storey)
-    if any(order != next(iter(evidence.values())) for order in evidence.values()):
-        message = f"the order of the storeys is not clear: {'; '.join(evidence)} contradict each other"
-        raise table.refuse(message, hint, rows[0], storey)
-    return next(iter(evidence.values())), next(iter(evidence))
-
-
-def _find_numbers(names: Sequence[str]) -> list[int]:
-    """Return the numbers in names such as Story1, Story2, which differ in nothing else; none in other names."""
-    matches = [re.fullmatch(r"(\D*)(\d+)(\D*)", name) for name in names]
-    kinds = {(match[1].strip(), match[3].strip()) for match in matches if match}
-    numbers = [int(match[2]) for match in matches if match]
-    is_numbered = len(numbers) == len(names) and len(kinds) == 1 and len(set(numbers)) == len(names)
-    return numbers if is_numbered else []
-
-
-def _read_positive(table: ProgramTable, row: Row, column: Column, si: str, may_be_zero: bool = False) -> float:
-    """Return a number above zero in SI.  Raises InputError."""
-    if si:
-        value = table.read_quantity(row, column, si)
-    else:
-        value = table.read_number(row, column) * (0.01 if column.unit.strip() == "%" else 1.0)
-    if value < 0.0 or (value == 0.0 and not may_be_zero):
-        shown = table.read_text(row, column)
-        raise table.refuse(f"{shown} is not above zero", "write what the model has there", row, column)
-    return value
-
-
-# Stiffness
-
-
-def select_case(table: ProgramTable, column: Column, choices: Choices, meaning: str) -> tuple[list[Row], str]:
-    """Return the rows of the load case that is imported, and its name.
-
-    column : of the direction, which is not zero in cases along it
-    meaning : what the case is for
-
-    Raises
-    ------
-    InputError : there are several cases and none is chosen, or the chosen one is not there
-    """
-    case = table.find_column(CASE)
-    rows = _select_tower(table, table.rows, choices)
-    if case is None:
-        return rows, ""
-    cases = list(dict.fromkeys(table.read_text(row, case) for row in rows))
-    chosen = choices.case or (cases[0] if len(cases) == 1 else "")
-    if chosen in cases and chosen:
-        return [row for row in rows if table.read_text(row, case) == chosen], chosen
-    useful = [each for each in cases if _is_filled(table, rows, case, each, column)]
-    there = join_limited([escape_controls(each) for each in useful], 300) or "none"
-    many = f"has {pluralize(len(cases), 'load case')}"
-    message = f"has no load case '{escape_controls(chosen)}'" if chosen else many
-    along = f"with '{column.name}' in them: {there}"
-    example = escape_controls(useful[0]) if useful else "EQX"
-    raise table.refuse(f"{message}; {along}", f"name the one {meaning}, e.g. --case {example}")
-
-
-def _is_filled(table: ProgramTable, rows: Sequence[Row], case: Column, name: str, column: Column) -> bool:
-    """Return whether a column holds numbers other than zero in the rows of a load case."""
-    texts = [table.read_text(row, column) for row in rows if table.read_text(row, case) == name]
-    return any(text not in ("", "0", "0.0") for text in texts)
-
-
-def _read_stiffness(table: ProgramTable, column: Column, building: ImportedBuilding, choices: Choices) -> None:
-    """Set the storey stiffnesses of a building.  Raises InputError."""
-    rows, case = select_case(table, column, choices, "whose forces follow the first mode")
-    storey = table.get_column(STOREY, "name of the storey")
-    by_name = _pick_step(table, rows, storey, column, choices)
-    direction = choices.direction
-    stiffnesses = []
-    for name in building.names:
-        row = _get_row(table, by_name, name)
-        value = table.read_quantity(row, column, "N/m")
-        if value <= 0.0:
-            message = f"storey '{escape_controls(name)}' has the stiffness {table.read_text(row, column)}"
-            hint = f"choose a load case that pushes along {direction} (--case), or the other direction (--direction)"
-            raise table.refuse(message, hint, row, column)
-        stiffnesses.append(value)
-        _compare_with_drift(table, row, column, name, building, direction)
-    building.stiffness = np.array(stiffnesses)
-    of_case = f", load case {escape_controls(case)}" if case else ""
-    building.notes.append(f"stiffness: {table.describe_column(column)}{of_case}, direction {direction}")
-
-
-def _pick_step(
-    table: ProgramTable, rows: Sequence[Row], storey: Column, column: Column, choices: Choices
-) -> dict[str, Row]:
-    """Return the row of each storey.  Raises InputError: rows of a storey differ, and no step is named."""
-    step_columns = [each for each in (table.find_column(STEP_TYPE), table.find_column(STEP_NUMBER)) if each is not None]
-    if choices.step:
-        rows = [row for row in rows if choices.step in [table.read_text(row, each) for each in step_columns]]
-        if not rows:
-            raise table.refuse(f"has no step '{choices.step}' in this load case", "choose another one with --step")
-    by_name: dict[str, Row] = {}
-    for row in rows:
-        name = table.read_text(row, storey)
-        first = by_name.setdefault(name, row)
-        if first is not row and table.read_text(first, column) != table.read_text(row, column):
-            steps = {" ".join(filter(None, (table.read_text(each, c) for c in step_columns))): 0 for each in rows}
-            there = join_limited([escape_controls(step) for step in steps if step], 200) or "without names"
-            message = f"storey '{escape_controls(name)}' has another value in row {first[0]}; the steps are {there}"
-            raise table.refuse(message, "choose one, e.g. --step Max, or another load case", row, column)
-    return by_name
-
-
-def _compare_with_drift(
-    table: ProgramTable, row: Row, column: Column, name: str, building: ImportedBuilding, direction: str
-) -> None:
-    """Warn where a stiffness is not the storey shear over the drift of its row."""
-    shear = table.find_column(OF_DIRECTION[direction]["shear"][:1])
-    drift = table.find_column(OF_DIRECTION[direction]["drift"][:1])
-    if shear is None or drift is None:
-        return
-    try:
-        force = abs(table.read_quantity(row, shear, "N"))
-        length = abs(table.read_quantity(row, drift, "m"))
-    except InputError:  # a ratio in place of a drift, or an empty cell
-        return
-    if length == 0.0:
-        return
-    stiffness = table.read_quantity(row, column, "N/m")
-    ratio = force / length / stiffness
-    if abs(ratio - 1.0) > 0.02:
-        words = f"{table.words}, row {row[0]}: '{column.name}' of storey '{escape_controls(name)}'"
-        building.warnings.append(
-            f"{words} is {stiffness / 1e6:.4g} kN/mm, but '{shear.name}' over '{drift.name}' is "
-            f"{force / length / 1e6:.4g} kN/mm; check the units and the load case"
-        )
-
-
-# Eccentricity and period
-
-
-def _read_eccentricity(tables: TableFile, building: ImportedBuilding, choices: Choices) -> None:
-    """Set the eccentricities of a building where a table has them.  Raises InputError.
-
-    Across the row means y for a row along x, and the way against x for a row along y, so that the row, the way across
-    it and the vertical are right-handed.
-    """
-    table = tables.find_table(CENTRE_TABLES)
-    if table is None:
-        return
-    across = "Y" if choices.direction == "X" else "X"
-    mass_centre = table.find_column([f"{across}CM"])
-    stiffness_centre = table.find_column([f"{across}CR"])
-    storey = table.find_column(STOREY)
-    if mass_centre is None or stiffness_centre is None or storey is None:
-        building.notes.append(f"eccentricity: '{table.title}' has no {across}CM and {across}CR, left out")
-        return
-    rows = _select_tower(table, table.rows, choices)
-    by_name: dict[str, Row] = {}
-    for row in rows:
-        name = table.read_text(row, storey)
-        if name in by_name and name in building.names:
-            message = f"storey '{escape_controls(name)}' has several diaphragms; no plan is read from '{table.title}'"
-            building.warnings.append(message)
-            return
-        by_name[name] = row
-    empty = [
-        name for name in building.names if name not in by_name or not table.read_text(by_name[name], stiffness_centre)
-    ]
-    if empty:
-        shown = join_limited([escape_controls(name) for name in empty], 200)
-        building.warnings.append(f"'{table.title}' has no {stiffness_centre.name} of {shown}; no plan is read from it")
-        return
-    sign = 1.0 if choices.direction == "X" else -1.0
-    building.eccentricity = np.array(
-        [
-            sign
-            * (
-                table.read_quantity(by_name[name], stiffness_centre, "m")
-                - table.read_quantity(by_name[name], mass_centre, "m")
-            )
-            for name in building.names
-        ]
-    )
-    building.notes.append(
-        f"eccentricity: '{table.title}', {stiffness_centre.name} less {mass_centre.name}"
-        + (", with the other sign: across the row is against X" if sign < 0 else "")
-    )
-
-
-def _read_period(tables: TableFile, building: ImportedBuilding, choices: Choices) -> None:
-    """Set the period of the model that the stick is compared with.  Raises InputError."""
-    if choices.period is not None:
-        building.model_period = choices.period
-        building.mode_words = "given with --period"
-        return
-    table = tables.find_table(PERIOD_TABLES)
-    if table is None:
-        return
-    period = table.get_column(PERIOD, "period of the mode")
-    mode = table.get_column(MODE, "number of the mode")
-    rows = _select_modal_case(table, building)
-    by_mode = {table.read_text(row, mode): row for row in reversed(rows)}
-    if choices.mode is not None:
-        chosen = str(choices.mode)
-        words = f"mode {chosen}, as --mode says"
-    else:
-        chosen, words = _find_mode_along(tables, building, choices) or (next(iter(reversed(by_mode)), ""), "")
-        words = words or f"mode {chosen}; whether it is along {choices.direction} no table '{RATIO_TABLES[0]}' says"
-    if chosen not in by_mode:
-        raise table.refuse(f"has no mode {chosen}", f"name one of {join_limited(reversed(by_mode), 200)} with --mode")
-    value = _read_positive(table, by_mode[chosen], period, "s")
-    building.model_period = value
-    building.mode_words = f"mode {chosen}"
-    building.notes.append(f"period of the model: {table.describe_column(period)}, {words}")
-
-
-def _select_modal_case(table: ProgramTable, building: ImportedBuilding) -> list[Row]:
-    """Return the rows of the first modal case of a table; a note names it where there are others."""
-    case = table.find_column(CASE)
-    rows = list(table.rows)
-    if case is None:
-        return rows
-    cases = list(dict.fromkeys(table.read_text(row, case) for row in rows))
-    if len(cases) > 1:
-        there = join_limited([escape_controls(each) for each in cases], 200)
-        building.notes.append(f"'{table.title}' has the cases {there}: {escape_controls(cases[0])} is taken")
-    return [row for row in rows if table.read_text(row, case) == cases[0]] if cases else rows
-
-
-def _find_mode_along(tables: TableFile, building: ImportedBuilding, choices: Choices) -> tuple[str, str] | None:
-    """Return the mode that moves most of the mass along the row, and its words; None where no table tells."""
-    table = tables.find_table(RATIO_TABLES)
-    ratio = table.find_column(OF_DIRECTION[choices.direction]["ratio"]) if table is not None else None
-    mode = table.find_column(MODE) if table is not None else None
-    if table is None or ratio is None or mode is None:
-        return None
-    rows = _select_modal_case(table, building)
-    if not rows:
-        return None
-    shares = [table.read_number(row, ratio) for row in rows]
-    first = int(np.argmax(shares))
-    chosen = table.read_text(rows[first], mode)
-    share = f"{100 * shares[first]:.3g} % of the mass along {choices.direction}"
-    return chosen, f"mode {chosen}, which moves {share} ('{table.title}', {ratio.name})"

@@ -11,7 +11,7 @@ from datetime import date
 
 import numpy as np
 
-from pounding_cli.imports.storeys import ImportedBuilding
+from pounding_cli.imports.building import ImportedBuilding
 from pounding_cli.numbers import join_limited
 from pounding_cli.texts import escape_controls
 
@@ -24,7 +24,7 @@ LINE_WIDTH = 115
 
 @dataclass(frozen=True)
 class PlanSize:
-    """What no table of a frame program says of a plan.
+    """The size of a plan, which no table of a frame program gives.
 
     width : across the row [m]
     depth : along the row [m]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from pounding_cli.numbers import NOTHING
-from pounding_cli.paper.claims import format_finding, format_verdict, judge_claims
+from pounding_cli.paper.verdicts import format_finding, format_verdict, judge_claims
 from pounding_cli.report.document import Report
 from pounding_cli.tables import Row, Table
 from pounding_cli.texts import escape_formulas, write_markdown

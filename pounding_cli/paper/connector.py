@@ -13,9 +13,9 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.laws.pounding import damping_ratio
 from pounding_cli.numbers import Unit
 from pounding_cli.paper.points import PointAnswer, PointCommand, SweepPoint, build_array, describe_extremes
-from pounding_cli.report.style import finish, panels, styled
+from pounding_cli.report.style import finish, panels, with_style
 from pounding_cli.study.base import Model, SpecIssue, spec_field
-from pounding_cli.study.links import RESTITUTION
+from pounding_cli.study.complete_links import RESTITUTION
 from pounding_cli.study.quantity import MASS, STIFFNESS, TIME, ParsedText, Quantity, WholeNumber
 from pounding_cli.tables import Column
 
@@ -301,7 +301,7 @@ def list_connector_figures(title: str, points: Sequence[SweepPoint]) -> list[Pic
     return [Picture("ratios", heading, heading, partial(draw_ratios, title, points))]
 
 
-@styled
+@with_style
 def draw_ratios(title: str, points: Sequence[SweepPoint]) -> Figure:
     """Draw one panel a point of the sweep, of the first four, |R1| solid and |R2| dashed."""
     drawn = points[:MAX_PANELS]

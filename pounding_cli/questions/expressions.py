@@ -33,7 +33,7 @@ from pounding_cli.study.file import get
 from pounding_cli.study.group import unique_names
 from pounding_cli.study.plan import Plan
 from pounding_cli.study.study import Study
-from pounding_cli.study.vary import UncertainInput
+from pounding_cli.study.varied_inputs import UncertainInput
 from pounding_cli.tables import Column
 from pounding_cli.variables import LINE_RATIO_VARIABLES, RATIO_VARIABLES, RESPONSE_VARIABLES, VARIABLES
 

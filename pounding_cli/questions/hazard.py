@@ -190,7 +190,7 @@ def find_intensity_axis(question: StudyQuestion, axes: Sequence[Axis], min_inten
             message = "a fragility curve takes two intensities at least"
         if message:
             is_key = len(path) == 1
-            question.problems.at(question.study.tree, path, message, SWEEP_EXAMPLE, key=is_key)
+            question.problems.add_at(question.study.tree, path, message, SWEEP_EXAMPLE, key=is_key)
         return number
     return None
 

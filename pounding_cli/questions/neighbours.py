@@ -43,7 +43,7 @@ def build_neighbour_axis(question: StudyQuestion) -> Axis | None:
         names = " and ".join(f"{seen.spec.neighbours} of {seen.name}" for seen in drawn)
         path = ("buildings", drawn[-1].name, KEY)
         hint = "write the same number of `neighbours` in each `archetype`"
-        question.problems.at(question.study.tree, path, f"the neighbours are drawn together, but {names}", hint)
+        question.problems.add_at(question.study.tree, path, f"the neighbours are drawn together, but {names}", hint)
         return None
     rows = [(number,) * len(drawn) for number in range(counts.pop() + 1)]
     marks = tuple(seen.mark for seen in drawn)

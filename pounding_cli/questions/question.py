@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pkgutil
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -39,6 +40,20 @@ class Answer:
     plan: Plan
     arrays: ResultArrays
     tables: Sequence[Table]
+
+
+@dataclass(frozen=True)
+class LateFunction:
+    """A function or class that is imported when it is first called: a declaration needs neither pandas nor matplotlib.
+
+    place : of it, `package.module:name`
+    """
+
+    place: str
+
+    def __call__(self, *arguments: Any, **options: Any) -> Any:
+        """Call the function."""
+        return pkgutil.resolve_name(self.place)(*arguments, **options)
 
 
 def _no_lines(_results: ResultTables) -> Sequence[Any]:
@@ -101,7 +116,7 @@ class StudyQuestion(ABC):
 
     def add_problem(self, path: KeyPath, message: str, hint: str, key: bool = False) -> None:
         """Note what is wrong at a place of the section, or with the key of that place."""
-        self.problems.at(self.study.tree, (self.name, *path), message, hint, key)
+        self.problems.add_at(self.study.tree, (self.name, *path), message, hint, key)
 
     def is_wall(self, place: int) -> bool:
         """Return whether a wall stands at a place of the group, from 0."""
@@ -123,7 +138,7 @@ class StudyQuestion(ABC):
         """Note that histories are to be kept of a subject that nobody knows beforehand."""
         if self.study.spec.keep is not None:
             hint = "remove `keep:`; `pound run` keeps those of chosen points"
-            self.problems.at(self.study.tree, ("keep",), f"histories cannot be kept of {subject}", hint, key=True)
+            self.problems.add_at(self.study.tree, ("keep",), f"histories cannot be kept of {subject}", hint, key=True)
 
     @property
     @abstractmethod

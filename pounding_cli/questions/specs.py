@@ -1,4 +1,4 @@
-"""What the sections of several questions have in common: hazard curves, intensity measures, expressions, shares."""
+"""Keys that sections of several questions share: hazard curves, intensity measures, expressions, shares."""
 
 from __future__ import annotations
 

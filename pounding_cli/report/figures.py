@@ -21,7 +21,7 @@ from pounding_cli.report.style import (
     looks,
     new_figure,
     shared_legend,
-    styled,
+    with_style,
 )
 from pounding_cli.results.columns import column_of
 
@@ -79,7 +79,7 @@ def has_contacts(links: pd.DataFrame) -> bool:
     return any(link_symbol(kind) == "gap" for kind in struck.unique())
 
 
-@styled
+@with_style
 def response(evidence: Evidence, building: str) -> Figure:
     """Return V/V0 elastic (left) and mu/mu0 inelastic (right) of one building, as in Figs 6 and 7."""
     panels = [
@@ -90,7 +90,7 @@ def response(evidence: Evidence, building: str) -> Figure:
     return _draw_over_height(evidence, building, panels, f"Ratios to {building} alone under the same motion")
 
 
-@styled
+@with_style
 def frame_lines(evidence: Evidence, building: str) -> Figure:
     """Return the ratios of the frame lines of one building to those of the building alone, a panel for each line.
 
@@ -109,7 +109,7 @@ def frame_lines(evidence: Evidence, building: str) -> Figure:
     return _draw_over_height(evidence, building, panels, caption, titles=titles)
 
 
-@styled
+@with_style
 def accelerations(evidence: Evidence, building: str) -> Figure:
     """Return the largest floor accelerations of one building over those of the building alone."""
     ratios = evidence.data["acceleration_ratio"].sel(building=building)
@@ -257,7 +257,7 @@ def list_loops(evidence: Evidence) -> list[Picture]:
     return [Picture("isolators", "Isolators", text, partial(draw_loops, evidence, isolated, kept))]
 
 
-@styled
+@with_style
 def draw_loops(evidence: Evidence, isolated: list[str], kept: pd.DataFrame) -> Figure:
     """Draw a panel for each building on isolators, a line for each kept time history."""
     figure, axes = grid(len(isolated), 4.2, 3.4)
@@ -292,7 +292,7 @@ MANY = 7
 """From this many buildings on, the periods are written upright and without their symbol."""
 
 
-@styled
+@with_style
 def draw_sketch(evidence: Evidence) -> Figure:
     """Draw the group by itself, with names, for the head of a page."""
     figure = new_figure(min(1.1 * len(evidence.group) + 0.3, 9.0), 1.9)

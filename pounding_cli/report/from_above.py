@@ -23,7 +23,7 @@ from pounding_cli.report.plans import (
     join_floors,
     read_outlines,
 )
-from pounding_cli.report.style import finish, is_for_page, new_figure, styled
+from pounding_cli.report.style import finish, is_for_page, new_figure, with_style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -90,7 +90,7 @@ def _choose_panels(groups: Sequence[CaseGroup]) -> list[CaseGroup]:
     return (linked or list(groups))[:MOST_PANELS]
 
 
-@styled
+@with_style
 def draw_from_above(evidence: Evidence) -> Figure:
     """Return the plans of a group from above, a panel for all cases whose links stand alike."""
     outlines = read_outlines(evidence)

@@ -11,7 +11,7 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit
 from pounding_cli.records.motion import GRAVITY, Motion, displacement, husid, significant_duration, spectrum, velocity
 from pounding_cli.records.scaling import SpectrumMatch, TargetSpectrum
-from pounding_cli.report.style import FORMATS, drawn_as, finish, new_figure, styled
+from pounding_cli.report.style import FORMATS, drawn_as, finish, new_figure, with_style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -33,7 +33,7 @@ def save_motion_figure(motion: Motion, title: str, path: Path) -> None:
     path.write_bytes(drawn_as(draw_motion(motion, title), suffix))
 
 
-@styled
+@with_style
 def draw_motion(motion: Motion, title: str) -> Figure:
     """Draw acceleration, velocity, displacement and Husid curve over time, and the spectrum."""
     figure = new_figure(8.0, 9.0)
@@ -58,7 +58,7 @@ def draw_motion(motion: Motion, title: str) -> Figure:
     return figure
 
 
-@styled
+@with_style
 def draw_spectra(match: SpectrumMatch, title: str, unit: Unit) -> Figure:
     """Draw the pseudo-accelerations over the periods, with the range that was met shaded.
 

@@ -103,7 +103,7 @@ _SETTINGS = RC | {"text.parse_math": False}  # a text of a study is no formula
 _Drawing = ParamSpec("_Drawing")
 
 
-def styled(draw: Callable[_Drawing, Figure]) -> Callable[_Drawing, Figure]:
+def with_style(draw: Callable[_Drawing, Figure]) -> Callable[_Drawing, Figure]:
     """Decorate a function that draws: the settings hold while it draws and nowhere else.
 
     Logarithmic axes get plain numbers at 1, 2 and 5, those of many decades at 1, those of less than one in even steps.

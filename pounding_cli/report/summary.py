@@ -1,4 +1,4 @@
-"""What a terminal prints of a report, as texts that are kept beside results and need neither these nor pandas."""
+"""The summary of a report that a terminal prints, as texts kept beside results, which need neither these nor pandas."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ PARAGRAPH_WIDTH = 118
 
 @dataclass(frozen=True)
 class Summary:
-    """What a terminal prints of a report.
+    """The summary of a report that a terminal prints.
 
     sentences : the answer, one paragraph each
     tables : below them

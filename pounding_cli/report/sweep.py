@@ -17,7 +17,7 @@ from pounding_cli.report.document import Picture
 from pounding_cli.report.evidence import RESPONSES as PANELS
 from pounding_cli.report.evidence import Evidence, describe_motions, list_points
 from pounding_cli.report.figures import CONTACT_SENTENCE, has_contacts, new_framed_panels
-from pounding_cli.report.style import finish, looks, name_axis, styled
+from pounding_cli.report.style import finish, looks, name_axis, with_style
 from pounding_cli.results.columns import column_of
 from pounding_cli.solver.outcome import is_meaningless
 from pounding_cli.variables import RESPONSE_VARIABLES, VARIABLES
@@ -337,7 +337,7 @@ def _set_axis(ax: Axes, side: str, axis: SweptAxis, width: int, room: int = 80) 
     name_axis(ax, side, axis.keys, axis.units, room=room)
 
 
-@styled
+@with_style
 def draw_curves(shown: Evidence, building: str, axes: Sequence[SweptAxis], panels: Panels, words: str) -> Figure:
     """Draw the mean over the motions with its spread over a swept axis, a line a case.
 
@@ -380,7 +380,7 @@ def draw_curves(shown: Evidence, building: str, axes: Sequence[SweptAxis], panel
     return _finish(figure, shown, building, panels, words, "Open grey markers")
 
 
-@styled
+@with_style
 def draw_maps(shown: Evidence, building: str, axes: Sequence[SweptAxis], panels: Panels, words: str) -> Figure:
     """Draw a line of panels for each quantity, a panel for each case; the second axis is across.
 

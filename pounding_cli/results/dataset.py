@@ -335,7 +335,7 @@ def _facts(plan: Plan, axes: tuple[str, ...]) -> dict[str, Array]:
             "period": [building.periods[0] for building in row],
             "base_shear_ratio": [building.base_shear_ratio for building in row],
             "slab": [building.slab for building in row],
-            "separation": separations.at(point),
+            "separation": separations.value_at(point),
         }
         for name in ("mass", "height", "stiffness", "yield_shear"):
             found[name] = np.full((len(row), storeys), np.nan)

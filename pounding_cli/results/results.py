@@ -263,7 +263,8 @@ class ResultTables:
         """Per row of columns that a link ends on between floors, such as the blow of a slab: building, storey, height
         of the end over that of the storey [-], building and floor of the other end, law of the link, gap [m], shears
         below and above the end [N], the larger over the columns' share of the yield shear [-], blows, largest force
-        [N], time with a force [s]. No row where no link ends on columns.
+        [N], time with a force [s]; where floors twist the place of the link along the street [m], as `link` has it. No
+        row where no link ends on columns.
         """
         sides = {
             "building": ("left", "right"), "storey": ("floor", "right_floor"), "at": ("left_at", "right_at"),
@@ -274,9 +275,11 @@ class ResultTables:
         link = link[link["shear_below"].notna()].reset_index(drop=True)
         is_left = link["left_at"] < 1.0
         by_side = {name: link[left].where(is_left, link[right]) for name, (left, right) in sides.items()}
-        return link[[*self.axes, *SCENE_DIMS]].assign(
-            **by_side, **link[["gap", *COLUMN_VARIABLES[2:], "impacts", "peak_force", "kind", "contact_time"]]
-        )
+        names = ["gap", *COLUMN_VARIABLES[2:], "impacts", "peak_force", "kind", "contact_time"]
+        frame = link[[*self.axes, *SCENE_DIMS]].assign(**by_side, **link[names])
+        for name in self._list_kept(["street"]):
+            frame.insert(list(frame.columns).index("at") + 1, name, link[name])
+        return frame
 
     def struck_links(self) -> pd.DataFrame:
         """Swept keys, case, analysis, record, law and impacts of every link across which floors struck."""

@@ -56,7 +56,7 @@ class ArchetypeSpec(Model):
             yield ("design",), message, f"write {' or '.join(designs)}"
             return
         if self.sample > self.neighbours:
-            message = f"sample: {self.sample} of {self.neighbours} buildings"
+            message = f"'sample' is {self.sample}, but only {self.neighbours} buildings are drawn"
             yield ("sample",), message, f"write 0 to {self.neighbours}, or a larger number of `neighbours`"
 
     def find(self) -> Any:

@@ -47,7 +47,7 @@ class Seen(NamedTuple):
 
     @property
     def prefix(self) -> str:
-        """What its dotted keys begin with."""
+        """The beginning of its dotted keys."""
         return f"buildings.{self.name}.{KEY}."
 
     @property

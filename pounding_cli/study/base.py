@@ -1,4 +1,4 @@
-"""What the schema is made of: the base of its mappings, keys, lists or single values, checks of whole mappings."""
+"""Building blocks of the schema: the base of its mappings, keys, lists or single values, checks of whole mappings."""
 
 from __future__ import annotations
 
@@ -23,6 +23,11 @@ from pydantic_core import InitErrorDetails
 from pounding_cli.study.quantity import refuse
 
 Name = Annotated[str, StringConstraints(pattern=r"^\w[\w +-]*$", max_length=60, strip_whitespace=True)]
+"""A name that dotted keys lead through, as `cases.near.gap`; so it has no dot."""
+
+LabelText = Annotated[str, StringConstraints(pattern=r"^\w[\w +.-]*$", max_length=60, strip_whitespace=True)]
+"""A name that no dotted key leads through."""
+
 SpecIssue = tuple[tuple[str | int, ...], str, str] | tuple[tuple[str | int, ...], str, str, bool]
 """Where in a mapping, what is wrong, what to write, whether it stands at the key."""
 

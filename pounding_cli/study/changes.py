@@ -16,7 +16,8 @@ from pydantic import BaseModel
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.study import schema
-from pounding_cli.study.axes import describe_missing_entry, describe_wrong_step, find_whole_key, sweep_maps
+from pounding_cli.study.axes import sweep_maps
+from pounding_cli.study.dotted_keys import describe_missing_entry, describe_wrong_step, find_whole_key
 from pounding_cli.study.edit import with_values
 from pounding_cli.study.file import Items, Map, Mark, Problems, canonical, get, nearest, parse_value, with_value
 from pounding_cli.study.quantity import quote

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 from pydantic import BaseModel
 
 from pounding_cli.numbers import Unit
-from pounding_cli.study.axes import unit_of
 from pounding_cli.study.buildings import build_building, find_code_displacements, find_separation
+from pounding_cli.study.complete_links import complete_links, find_losses
 from pounding_cli.study.file import get
 from pounding_cli.study.group import unique_names
 from pounding_cli.study.issues import IssuesFound
 from pounding_cli.study.link_specs import LOSSES, link_keys, needs_key, own_parameters
-from pounding_cli.study.links import complete_links, find_losses
 from pounding_cli.study.quantity import MeasuredValue, Quantity, StoreyMultiple, written_unit
+from pounding_cli.study.ranges import unit_of
 from pounding_cli.units import GRAVITY
 
 if TYPE_CHECKING:

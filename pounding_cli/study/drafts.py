@@ -9,17 +9,11 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from pounding_cli.laws import link_laws
+from pounding_cli.study.complete_links import complete_links, find_idle_shared_keys, find_key_issues
 from pounding_cli.study.file import Items, Map, get
 from pounding_cli.study.issues import IssuesFound, KeyPath
+from pounding_cli.study.link_names import NamedInLink, Names, find_link_name_issues
 from pounding_cli.study.link_specs import NO_LINK, CaseSpec, ImpactSpec, SeveralLinksSpec
-from pounding_cli.study.links import (
-    NamedInLink,
-    Names,
-    complete_links,
-    find_idle_shared_keys,
-    find_key_issues,
-    find_link_name_issues,
-)
 from pounding_cli.study.written import iter_named_in_links, read_spec
 
 MAX_PRUNINGS = 5

@@ -26,6 +26,15 @@ MAX_BYTES, MAX_VALUES, MAX_PROBLEMS, MAX_DEPTH = 4_000_000, 100_000, 100, 30
 """Bytes of a file; its values, those that aliases repeat included; problems of a section that are told one by one;
 levels of a file."""
 
+MAX_NEAR = 3
+"""Names that a message suggests at most."""
+
+MIN_BEGINNING = 4
+"""Characters of a name that a longer word may begin with to be taken for it."""
+
+MIN_SIMILARITY = 0.65
+"""Similarity of a word and a name, by difflib, from which a message suggests the name."""
+
 MISSING_BLANK = re.compile(r"([\w.-]{1,60}):([^\s:/\\]\S{0,60}.{0,60})\Z")
 _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _INTEGER = re.compile(r"[-+]?[0-9]+\Z")
@@ -410,7 +419,7 @@ class Problems:
             place, message = (mark[0], 0, 0), message.removeprefix(f"{mark[0].split('.')[-1]}: ")
         self.found[Problem(message, hint, *place)] = None
 
-    def at(self, root: Any, path: KeyPath, message: str, hint: str = "", key: bool = False) -> None:
+    def add_at(self, root: Any, path: KeyPath, message: str, hint: str = "", key: bool = False) -> None:
         """Note a problem with the value (or the key) at `path`."""
         self.add(locate(root, path, key), message, hint)
 
@@ -433,11 +442,28 @@ class Problems:
 
 
 def nearest(word: Any, names: Iterable[str]) -> str:
-    """A hint naming the nearest of `names`, and all of them."""
+    """Return a hint with the names nearest to a word, and all of them."""
     known = [str(name)[:60] for name in islice(names, 1000)]
-    near = difflib.get_close_matches(str(word)[:60], known, 1, 0.5)
     listed = ", ".join(known[:40]) + (", ..." if len(known) > 40 else "")
-    return (f"did you mean '{near[0]}'? " if near else "") + (f"known: {listed}" if known else "none is defined")
+    near = _find_near(str(word)[:60], known)
+    quoted = [f"'{name}'" for name in near]
+    *most, last = quoted or [""]
+    question = f"did you mean {', '.join(most)} or {last}? " if most else f"did you mean {last}? "
+    return (question if near else "") + (f"known: {listed}" if known else "none is defined")
+
+
+def _find_near(word: str, known: Sequence[str]) -> list[str]:
+    """Return the names nearest to a word, three at most: those that begin with it, those that it begins with, or the
+    most similar one."""
+    begin = word.lower()
+    if len(begin) > 1:
+        longer = [name for name in known if name.lower().startswith(begin)]
+        if 0 < len(longer) <= MAX_NEAR:
+            return longer
+    shorter = [name for name in known if len(name) >= MIN_BEGINNING and begin.startswith(name.lower())]
+    if shorter:
+        return [max(shorter, key=len)]
+    return difflib.get_close_matches(word, known, 1, MIN_SIMILARITY)
 
 
 _MARKS = {

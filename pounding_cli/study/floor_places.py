@@ -1,4 +1,4 @@
-"""Where a link ends, as a study writes it: at a floor, `5`, or in the storey above one, `2 + 1.2 m`, `2 + 40 %`."""
+"""Ends of links as a study writes them: at a floor, `5`, or in the storey above one, `2 + 1.2 m`, `2 + 40 %`."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class FloorPlace:
 
 @dataclass(frozen=True)
 class FloorPair:
-    """Where both ends of a link stand, in the left and in the right building."""
+    """Places of both ends of a link, in the left and in the right building."""
 
     left: FloorPlace
     right: FloorPlace

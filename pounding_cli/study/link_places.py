@@ -1,4 +1,4 @@
-"""Where links stand: the places at which two neighbours meet, and those at which the links of a case end."""
+"""Find the places at which two neighbours meet, and those at which the links of a case end."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from pounding_cli.study.street_places import StreetSide
 
 
 class LinkEnds(NamedTuple):
-    """Where both ends of a link stand; fields as of `Link`.
+    """Places of both ends of a link; fields as of `Link`.
 
     flexibility : deflection per level force of the columns that it ends on [m/N]
     """
@@ -42,7 +42,7 @@ class LinkEnds(NamedTuple):
 
 
 class Side(NamedTuple):
-    """What a link must know of the building on one of its sides.
+    """The building on one side of a link, as far as the link must know it.
 
     levels : elevations of its base and its floors [m]
     base_moves : whether a link may end at its base
@@ -244,8 +244,12 @@ def _are_alike(ends: LinkEnds, other: LinkEnds) -> bool:
 def _hint_to_floors(floor: int, meeting: Meeting) -> str:
     """Return what to write for a floor that meets none of the neighbour."""
     common = ", ".join(str(each or BASE) for each, _ in meeting.floors)
-    both_ends = f"both ends, e.g. `[[{floor}, {min(max(floor, 1), meeting.right.storeys)}]]`"
-    return f"write floors among {common}, or {both_ends}" if common else f"write {both_ends}"
+    is_there = floor <= meeting.left.storeys and (floor > 0 or meeting.left.base_moves)
+    left_floor = floor if is_there else min(max(floor, 1), meeting.left.storeys)
+    both_ends = f"both ends, e.g. `[[{left_floor or BASE}, {min(max(floor, 1), meeting.right.storeys)}]]`"
+    if not common:
+        return f"write {both_ends}"
+    return f"write floors among {common}, or {both_ends}" if is_there else f"write floors among {common}"
 
 
 def _listed_floors(link: LinkSpec) -> tuple[Any, ...]:

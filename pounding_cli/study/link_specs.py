@@ -186,7 +186,7 @@ def _floors_kind(value: Any) -> str:
     return "word" if isinstance(value, str) and value != "base" else "floors"
 
 
-_FLOORS_USAGE = "write floors, e.g. `[3, 5]`, or both ends of every link, e.g. `[[4, 5], [4, 2 + 1.2 m]]`"
+_FLOORS_USAGE = "write floors, from 1 up, e.g. `[3, 5]`, or both ends of every link, e.g. `[[4, 5], [4, 2 + 1.2 m]]`"
 
 
 def _check_word(value: Any) -> Any:

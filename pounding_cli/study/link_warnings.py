@@ -13,6 +13,7 @@ from pounding_cli.laws.law import LinkLaw
 from pounding_cli.model.building import Building
 from pounding_cli.model.wall import Wall
 from pounding_cli.numbers import join_limited
+from pounding_cli.study.complete_links import CompleteLink
 from pounding_cli.study.doubts import (
     AS_MEANT,
     Comparison,
@@ -29,7 +30,6 @@ from pounding_cli.study.group import Group
 from pounding_cli.study.issues import KeyPath
 from pounding_cli.study.link_places import build_ends
 from pounding_cli.study.link_specs import ImpactSpec
-from pounding_cli.study.links import CompleteLink
 from pounding_cli.study.quantity import FORCES, PLAUSIBLE_RANGES, Quantity
 from pounding_cli.units import GRAVITY
 

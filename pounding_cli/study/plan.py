@@ -20,7 +20,7 @@ from pounding_cli.study.file import Problems
 from pounding_cli.study.group import Group, unique_names
 from pounding_cli.study.link_places import Meeting
 from pounding_cli.study.motions import Suite
-from pounding_cli.study.resolve import Resolved
+from pounding_cli.study.resolve import StudyParts
 from pounding_cli.study.swept import Point, Swept, sweep_map
 
 if TYPE_CHECKING:
@@ -122,8 +122,10 @@ class Plan:
 
     @cached_property
     def first(self) -> tuple[np.ndarray, np.ndarray]:
-        """Of every scene the flat number of the row where it stands first, and its column there: 0, or 1 + the building
-        that stands alone; shapes (scenes,)."""
+        """The place where every scene stands first: flat number of the row, and the column in it; shapes (scenes,).
+
+        The column is 0 for the group, and 1 + the number of a building that stands alone.
+        """
         flat = self.numbers.ravel()
         _, at = np.unique(flat[flat >= 0], return_index=True)
         return np.divmod(np.flatnonzero(flat >= 0)[at], self.numbers.shape[-1])
@@ -154,7 +156,7 @@ class Plan:
         }
 
 
-def make_plan(study: Study, resolved: Resolved | None = None, row_filter: RowFilter | None = None) -> Plan:
+def make_plan(study: Study, resolved: StudyParts | None = None, row_filter: RowFilter | None = None) -> Plan:
     """Return the plan of a study.
 
     Parameters
@@ -173,7 +175,7 @@ def make_plan(study: Study, resolved: Resolved | None = None, row_filter: RowFil
 class _Planner:
     """One study being planned; it stays with the plan, to build scenes when they are asked for."""
 
-    def __init__(self, study: Study, resolved: Resolved) -> None:
+    def __init__(self, study: Study, resolved: StudyParts) -> None:
         self.study = study
         self.resolved = resolved
         self.cases = tuple(study.spec.cases)
@@ -264,13 +266,13 @@ class _Planner:
         shape = (*self.sizes, len(self.cases), len(self.analyses), len(self.records))
         *point, case, analysis, record = map(int, np.unravel_index(row, shape))
         at = tuple(point)
-        links = self.resolved.links[self.cases[case]].at(at)
+        links = self.resolved.links[self.cases[case]].value_at(at)
         return Scene(
-            drop_plans(self.resolved.group.at(at).buildings, links),
+            drop_plans(self.resolved.group.value_at(at).buildings, links),
             links,
             self.study.motion(at, self.records[record]),
             self.analyses[analysis],
-            self.resolved.tail.at(at),
+            self.resolved.tail.value_at(at),
             self.wants_residual_drift,
         )
 
@@ -360,6 +362,6 @@ def keep_rows(plan: Plan) -> Plan:
         message = f"histories of {len(rows)} rows every {1000 * histories.every:g} ms take {taken}"
         hint = "keep fewer, `keep: {histories: {cases: [..], records: [..], where: {..}}}`, or write a longer `every:`"
         problems = Problems(study.file)
-        problems.at(study.tree, ("keep",), message, hint, key=True)
+        problems.add_at(study.tree, ("keep",), message, hint, key=True)
         problems.check()
     return replace(plan, kept=tuple(map(plan.row, rows)), every=histories.every)

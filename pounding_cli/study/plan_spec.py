@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
 from pydantic import Field
+from pydantic_core import PydanticCustomError
 
 from pounding_cli.study.base import Model, SpecIssue, list_or, one_or_many, spec_field
-from pounding_cli.study.quantity import FORCE, LENGTH, PLAUSIBLE_RANGES, STIFFNESS, Quantity, quote, refuse
+from pounding_cli.study.quantity import BOTH_SIGNS, FORCE, LENGTH, PLAUSIBLE_RANGES, STIFFNESS, Quantity, quote, refuse
 
 PLACE = Quantity("place", "m", "-6 m", -1000.0, 1000.0)
 """A place across the row [m], from the middle of a plan."""
@@ -18,8 +19,49 @@ PLACE = Quantity("place", "m", "-6 m", -1000.0, 1000.0)
 _SIZE = LENGTH.replace(high=500.0, usual=PLAUSIBLE_RANGES["size of a plan"])
 PLAN_WIDTH = _SIZE.replace(name="width", example="20 m")
 PLAN_DEPTH = _SIZE.replace(name="depth", example="14 m")
-RATIO_OF_WIDTH = Quantity("part of the width", "", "10 %", -0.5, 0.5, open_low=True, open_high=True)
-ACCIDENTAL = RATIO_OF_WIDTH.replace(example="5 %")
+
+
+@dataclass(frozen=True)
+class _PartOfWidth(Quantity):
+    """A place across the row as part of the width, from the middle of the plan: half of the width is its edge."""
+
+    @property
+    def range(self) -> str:
+        """The range in words, with its reason."""
+        return f"{super().range} (half of the width is the edge of the plan)"
+
+    def _format_number(self, number: float) -> str:
+        """Return the part in %."""
+        return f"{100 * number:g} %"
+
+
+@dataclass(frozen=True)
+class _AccidentalPart(_PartOfWidth):
+    """A part of the width, to one side or, as `+-5 %`, to both; `study.both_sides` reads the latter."""
+
+    @property
+    def usage(self) -> str:
+        """The way to write one, in words."""
+        return f"{super().usage}, which most codes ask for, or to both sides, `+-{self.example}`"
+
+    def read(self, value: Any) -> Any:
+        """Return the part.  Raises PydanticCustomError."""
+        match = BOTH_SIGNS.match(value) if isinstance(value, str) else None
+        if match is None:
+            return super().read(value)
+        try:
+            size = super().read(match[1])
+        except PydanticCustomError as error:
+            context = error.context or {}
+            raise refuse(f"{quote(value)}: {context.get('message')}", context.get("hint", "")) from None
+        if size == 0.0:
+            raise refuse(f"{quote(value)} is the same on both sides", self.usage)
+        hint = "write it as `accidental` of a plan; among the values of a sweep write both"
+        raise refuse(f"{quote(value)} stands where one value belongs", f"{hint}, `-{match[1]}` and `{match[1]}`")
+
+
+RATIO_OF_WIDTH = _PartOfWidth("part of the width", "", "10 %", -0.5, 0.5, open_low=True, open_high=True)
+ACCIDENTAL = _AccidentalPart("part of the width", "", "5 %", -0.5, 0.5, open_low=True, open_high=True)
 
 
 REST = "rest"
@@ -78,9 +120,24 @@ _SHORT_FORM = ("eccentricity", "frequency_ratio")
 """Keys in place of `lines`."""
 
 
+@dataclass(frozen=True)
+class _NumberOfStorey(Quantity):
+    """The number of one storey in the list of a line."""
+
+    def read(self, value: Any) -> Any:
+        """Return the number.  Raises PydanticCustomError: it is a share, which stands alone."""
+        if isinstance(value, str) and value.strip().endswith("%"):
+            hint = (
+                f"write the share alone, `{value.strip()}`: it is that of every storey; or numbers, e.g. {self.example}"
+            )
+            raise refuse(f"{quote(value)} is a share in a list of numbers", hint)
+        return super().read(value)
+
+
 def _each_storey(quantity: Quantity, one: Any) -> Any:
     """Return the type of a list from the ground up, or of something else."""
-    return list_or(Annotated[tuple[Annotated[float, quantity], ...], Field(min_length=1, max_length=100)], one)
+    number = _NumberOfStorey(**{each.name: getattr(quantity, each.name) for each in dataclasses.fields(Quantity)})
+    return list_or(Annotated[tuple[Annotated[float, number], ...], Field(min_length=1, max_length=100)], one)
 
 
 class _LineSpec(Model):

@@ -125,8 +125,8 @@ def warn_missing_accidental(study: Study, notes: Problems) -> None:
         return
     names = []
     for name in dict.fromkeys(study.spec.group):
-        building = study.resolved.types[name].at(study.first_point)
-        has_displacements = bool(study.resolved.displacements(name).at(study.first_point))
+        building = study.resolved.types[name].value_at(study.first_point)
+        has_displacements = bool(study.resolved.displacements(name).value_at(study.first_point))
         if has_displacements and needs_plan(building) and not _has_accidental(study, name):
             names.append(name)
     if names:
@@ -135,7 +135,7 @@ def warn_missing_accidental(study: Study, notes: Problems) -> None:
         hint = "they count the twist under forces through the centres of mass; "
         hint += "codes move these by 5 % of the width to either side: "
         hint += "write `accidental: +-5 %` in the plan"
-        notes.at(study.tree, ("gap",), message, hint, key=True)
+        notes.add_at(study.tree, ("gap",), message, hint, key=True)
 
 
 def _has_accidental(study: Study, name: str) -> bool:
@@ -165,4 +165,4 @@ def warn_shift_without_effect(study: Study, notes: Problems) -> None:
         message = f"`shift` of {name} has no effect: no other building has a plan, so each is as wide as {name}, "
         message += "and no link names its places"
         hint = f"give the neighbours of {name} a `plan:`, or the links their `places:`; otherwise leave it, {AS_MEANT}"
-        notes.at(study.tree, paths[0], message, hint)
+        notes.add_at(study.tree, paths[0], message, hint)

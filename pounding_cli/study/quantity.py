@@ -92,6 +92,12 @@ PLAUSIBLE_RANGES = {name: PlausibleRange(low, high, reason, units, name) for low
 NUMBER = r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?"
 _QUANTITY = re.compile(rf"({NUMBER})(?:\s*/\s*({NUMBER}))?\s*([A-Za-zµ°%].*)?\Z")
 _COMMA = re.compile(r"([-+]?[0-9]{1,15}),([0-9]{1,15})((?: ?[A-Za-z%][^,]*)?)\Z")
+BOTH_SIGNS = re.compile(r"\s*(?:\+\s*/?\s*-|±)\s*([0-9.].*?)\s*\Z")
+"""A size to both sides of zero: `+-5 %`."""
+
+SEVERAL_VALUES = "several values to run one after the other stand under `sweep:`"
+"""What to write of a key that takes one value."""
+
 LONGEST = 200
 """Largest number of characters of a quantity."""
 
@@ -232,13 +238,25 @@ class Quantity(ValueParser):
             raise refuse(f"{value} is not a finite number", self.usage)
         at_end = (self.open_low and number == self.low) or (self.open_high and number == self.high)
         if at_end or not self.low <= number <= self.high:
-            raise refuse(f"the {self.name} is {self._format_number(number)}; it must be {self.range}", self.usage)
+            hint = f"{self._suggest_percent(value, number)}{self.usage}"
+            raise refuse(f"the {self.name} is {self._format_number(number)}; it must be {self.range}", hint)
         return number
+
+    def _suggest_percent(self, value: Any, number: float) -> str:
+        """Return what to write where a plain number out of range is likely meant in %; "" where it is not.
+
+        value : as written
+        number : the same in SI
+        """
+        is_plain = not self.si and self.example.endswith("%") and not written_unit(value)
+        if is_plain and abs(number) >= 1.0 and self.low <= 0.01 * number <= self.high:
+            return f"write `{number:g} %` if that is meant; otherwise "
+        return ""
 
     def _parse_number(self, value: Any) -> float:
         """Return the number in SI, whatever its range.  Raises PydanticCustomError."""
         if isinstance(value, list | tuple | dict):
-            hint = f"{self.usage}; several values to run one after the other stand under `sweep:`"
+            hint = f"{self.usage}; {SEVERAL_VALUES}"
             raise refuse(f"{quote(value)} stands where one {self.name} belongs", hint)
         if isinstance(value, bool) or not isinstance(value, int | float | str):
             raise refuse(f"{quote(value)} is not a {self.name}", self.usage)
@@ -253,7 +271,8 @@ class Quantity(ValueParser):
         match = _QUANTITY.match(text) if len(text) <= LONGEST else None
         if match is None:
             slip = _describe_slip(text[:LONGEST])
-            raise refuse(f"{quote(text)} is not a number with a unit{slip}", self.usage)
+            several = f"; {SEVERAL_VALUES}" if BOTH_SIGNS.match(text[:LONGEST]) else ""
+            raise refuse(f"{quote(text)} is not a number with a unit{slip}", f"{self.usage}{several}")
         numerator, denominator, unit = match.groups()
         number = float(numerator)
         if denominator is not None:
@@ -269,7 +288,8 @@ class Quantity(ValueParser):
             raise refuse(f"'{unit}' is not a unit this program knows{_describe_slip(text)}", hint) from None
         if factor is None:
             hint = self._suggest_related(number, unit) or self.usage
-            raise refuse(f"'{text}' is no {self.name}: expected {self.si or 'a plain number'}", hint)
+            plain = "a plain number or %" if self.example.endswith("%") else "a plain number"
+            raise refuse(f"'{text}' is no {self.name}: expected {self.si or plain}", hint)
         return number * factor
 
     def _suggest_related(self, number: float, unit: str) -> str:
@@ -299,6 +319,9 @@ def _describe_slip(text: str) -> str:
     match = _COMMA.match(text)
     if match is not None:
         return f": it has a decimal comma, write `{match[1]}.{match[2]}{match[3]}`"
+    both = BOTH_SIGNS.match(text)
+    if both is not None:
+        return f": it stands for two, -{both[1]} and {both[1]}"
     return ": a comment needs a blank before its #" if "#" in text else ""
 
 
@@ -370,6 +393,8 @@ class WholeNumber(ValueParser):
         if self.zero and value == self.zero:
             return 0
         hint = f"write a whole number, at least {self.low} and at most {self.high}"
+        if isinstance(value, list | tuple | dict):
+            raise refuse(f"{quote(value)} stands where one whole number belongs", f"{hint}; {SEVERAL_VALUES}")
         is_digits = isinstance(value, str) and re.fullmatch(r"[0-9]{1,9}", value)
         if is_digits or (isinstance(value, float) and value.is_integer() and abs(value) < 1e15):
             value = int(value)

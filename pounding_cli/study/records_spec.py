@@ -23,7 +23,7 @@ from pounding_cli.records.code_spectra import (
 from pounding_cli.records.reading import MAX_PEAK
 from pounding_cli.records.sines import Sine
 from pounding_cli.records.units import ACCELERATION_UNITS, find_acceleration_unit
-from pounding_cli.study.base import Model, Name, SpecIssue, errors, spec_field, tagged_union
+from pounding_cli.study.base import LabelText, Model, SpecIssue, errors, spec_field, tagged_union
 from pounding_cli.study.file import nearest
 from pounding_cli.study.link_specs import RATIO
 from pounding_cli.study.quantity import ACCELERATION, PLAUSIBLE_RANGES, TIME, Quantity, WholeNumber, quote, refuse
@@ -62,7 +62,7 @@ class RecordFileSpec(Model):
     file: str = spec_field(
         ..., "a file, a folder, or a pattern motions/*.AT2, relative to the study file", "motions/x.AT2"
     )
-    name: Name | None = spec_field(None, "name of the motion in tables; default: the file's stem")
+    name: LabelText | None = spec_field(None, "name of the motion in tables; default: the file's stem")
     unit: Annotated[str, AfterValidator(_check_unit)] | None = spec_field(
         None, "unit of the acceleration, any spelling; needed where the file does not state it"
     )

@@ -16,25 +16,15 @@ from pounding_cli.model.links import Link
 from pounding_cli.model.twist import merge_links
 from pounding_cli.study.axes import UNWRITTEN, Axis
 from pounding_cli.study.buildings import build_building, find_code_displacements
+from pounding_cli.study.complete_links import CompleteLink, check_links, complete_links
 from pounding_cli.study.drafts import check_draft, check_draft_names, read_draft, read_impact_draft
 from pounding_cli.study.file import Map, get, with_value
 from pounding_cli.study.group import Group, build_group, check_group_names, check_meetings
 from pounding_cli.study.issues import Issue, Issues, IssuesFound, KeyPath
 from pounding_cli.study.like import inherits_key
+from pounding_cli.study.link_names import Names, check_case_names, check_contact_law, check_impact_names
 from pounding_cli.study.link_places import find_floors, find_linked_pairs
-from pounding_cli.study.links import (
-    CompleteLink,
-    Names,
-    build_laws,
-    build_links,
-    check_case_names,
-    check_contact_law,
-    check_impact_names,
-    check_links,
-    complete_links,
-    evaluate_multiples,
-    list_multiples,
-)
+from pounding_cli.study.links import build_laws, build_links, evaluate_multiples, list_multiples
 from pounding_cli.study.motions import MotionReader, Suite, read_suite
 from pounding_cli.study.own_laws import build_own_laws
 from pounding_cli.study.quantity import quote
@@ -46,7 +36,7 @@ Specs = Mapping[KeyPath, Any]
 
 
 @dataclass(frozen=True, eq=False)
-class Resolved:
+class StudyParts:
     """The parts of a study at the points of its sweep.
 
     building_specs, types : validated keys of the building types by name, and the buildings
@@ -166,7 +156,7 @@ def _format_rows(axis: Axis, columns: Sequence[int]) -> list[str]:
     return [repr([values[column] for column in columns]) for values in axis.written_values]
 
 
-def resolve(specs: Specs, tree: Map, axes: Sequence[Axis], reader: MotionReader, issues: Issues) -> Resolved:
+def resolve(specs: Specs, tree: Map, axes: Sequence[Axis], reader: MotionReader, issues: Issues) -> StudyParts:
     """Return the parts of a study at the points of its sweep; what is wrong is noted.
 
     specs : validated sections as written (`read_specs`)
@@ -197,7 +187,7 @@ class _Resolver:
         """Return the names of the entries of a section."""
         return [str(path[1]) for path in self.specs if len(path) == 2 and path[0] == section]
 
-    def resolve(self, reader: MotionReader) -> Resolved:
+    def resolve(self, reader: MotionReader) -> StudyParts:
         """Return all parts."""
         records = self.sweep_spec("records")
         suite = self.map(partial(read_suite, reader=reader), records)
@@ -234,7 +224,7 @@ class _Resolver:
             parted = self.map(build_links, checked, link_laws[name], floors, meetings)
             links[name] = self.map(_merge_links, group, parted) if has_plans else parted
         tail = self.sweep_spec("tail")
-        return Resolved(building_specs, types, group, impact, complete, link_laws, links, records, suite, tail)
+        return StudyParts(building_specs, types, group, impact, complete, link_laws, links, records, suite, tail)
 
     def note_faulty_case(self, name: str, impact: Swept[Any], meetings: Swept[Any], names: Names) -> None:
         """Note what else is wrong with a faulty case: names that the study lacks, and keys and floors of its links."""

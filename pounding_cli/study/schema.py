@@ -34,7 +34,7 @@ _FILLED = Field(min_length=1, max_length=10_000)
 
 
 class ReportSpec(Model):
-    """What the report shows first."""
+    """The choice of what the report shows first."""
 
     plot: tuple[str, ...] | None = spec_field(None, "cases in the main figure; default: all")
     building: str | None = spec_field(None, "building of the main figure; default: the stiffest")
@@ -56,7 +56,7 @@ _Histories: Any = word_or(Literal["all"], HistoriesSpec)
 
 
 class KeepSpec(Model):
-    """What is kept besides peaks."""
+    """The choice of what is kept besides peaks."""
 
     histories: _Histories = spec_field(..., "scenes kept over time, or `all`", {"cases": ["touching"]})
 

@@ -6,6 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from pydantic_core import PydanticCustomError
+
 from pounding_cli.model.building import Building
 from pounding_cli.study.issues import Issue, IssuesFound, KeyPath
 from pounding_cli.study.plan_spec import PLACE
@@ -15,7 +17,8 @@ if TYPE_CHECKING:
     from pounding_cli.study.link_specs import LinkSpec
 
 _USAGE = (
-    "write a place along the street, e.g. `4 m`, or that of both ends from the middles of their plans, `[4 m, -2 m]`"
+    "write a place along the street, e.g. `4 m`, several of them, `[-5 m, 5 m]`, or both ends of one, each from the "
+    "middle of its plan, `[[4 m, -2 m]]`"
 )
 EDGE_TOLERANCE = 1e-9
 """Length over that of an edge [-] by which a place may miss the edge and still stand on it."""
@@ -40,12 +43,20 @@ def _read_place(value: Any) -> PlaceOfLink:
     if isinstance(value, PlaceOfLink):
         return value
     if not isinstance(value, list | tuple):
-        place = PLACE.read(value)
+        place = _read_end(value)
         return PlaceOfLink(place, place)
     if len(value) != 2:
         raise refuse(f"{quote(value)} is no place of a link", _USAGE)
     left, right = value
-    return PlaceOfLink(PLACE.read(left), PLACE.read(right), is_pair=True)
+    return PlaceOfLink(_read_end(left), _read_end(right), is_pair=True)
+
+
+def _read_end(value: Any) -> float:
+    """Return the place of one end of a link along the street [m].  Raises PydanticCustomError."""
+    try:
+        return float(PLACE.read(value))
+    except PydanticCustomError as error:
+        raise refuse((error.context or {}).get("message", f"{quote(value)} is no place of a link"), _USAGE) from None
 
 
 @dataclass(frozen=True)

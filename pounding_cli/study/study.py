@@ -30,7 +30,7 @@ from pounding_cli.study.issues import Issue, Issues, IssuesFound, drop_idle_axes
 from pounding_cli.study.like import resolve_all_likes
 from pounding_cli.study.motions import MotionReader, MotionUse, Suite, read_suite
 from pounding_cli.study.records_spec import SpectrumSpec
-from pounding_cli.study.resolve import Resolved, changes_part, resolve, tree_at
+from pounding_cli.study.resolve import StudyParts, changes_part, resolve, tree_at
 from pounding_cli.study.schema import StudySpec, find_section_names
 from pounding_cli.study.swept import AS_WRITTEN, Point, Swept, sweep_map
 from pounding_cli.study.written import build_study_spec, note_unknown_names, read_specs
@@ -66,7 +66,7 @@ class Study:
     tree: Map
     axes: tuple[Axis, ...]
     spec: StudySpec
-    resolved: Resolved
+    resolved: StudyParts
     units_from: Map
     warnings: tuple[Problem, ...]
     from_data: bool
@@ -137,19 +137,19 @@ class Study:
 
     def group(self, point: Point) -> Group:
         """Return the buildings in their places at a point of the sweep."""
-        return self.resolved.group.at(point)
+        return self.resolved.group.value_at(point)
 
     def building(self, point: Point, place: int) -> Building:
         """Return the building type at a place of the group, from 0, at a point of the sweep."""
-        return self.resolved.types[self.spec.group[place]].at(point)
+        return self.resolved.types[self.spec.group[place]].value_at(point)
 
     def links(self, point: Point, case: str) -> tuple[Link, ...]:
         """Return the links of a case at a point of the sweep."""
-        return self.resolved.links[case].at(point)
+        return self.resolved.links[case].value_at(point)
 
     def motion_uses(self, point: Point) -> Mapping[str, MotionUse]:
         """Return the motions by name as they are used at a point of the sweep, without their samples."""
-        return self.resolved.suite.at(point).uses
+        return self.resolved.suite.value_at(point).uses
 
     @cached_property
     def written_suite(self) -> Suite:
@@ -160,7 +160,7 @@ class Study:
                 return read_suite(self.spec.records, self.reader)
             except IssuesFound:
                 pass
-        return self.resolved.suite.at(self.first_point)
+        return self.resolved.suite.value_at(self.first_point)
 
     def motion(self, point: Point, name: str) -> Motion:
         """Return a motion as it is used at a point of the sweep, cut and scaled."""
@@ -180,7 +180,7 @@ class Study:
 
     def assumed_heights(self) -> tuple[str, ...]:
         """Return the buildings of the group, by place, whose storey heights the study leaves to their default."""
-        specs = [self.resolved.building_specs[name].at(self.first_point) for name in self.spec.group]
+        specs = [self.resolved.building_specs[name].value_at(self.first_point) for name in self.spec.group]
         return tuple(
             place
             for place, spec in zip(unique_names(self.spec.group), specs, strict=True)
@@ -269,7 +269,7 @@ def _resolve_tree(
     file: str,
     model: type[StudySpec],
     problems: Problems | None = None,
-) -> tuple[StudySpec, Resolved]:
+) -> tuple[StudySpec, StudyParts]:
     """Return a study as written, validated, and its parts at the points of the sweep.  Raises InputError.
 
     problems : found before; the names that a study may have wrong are looked at as well
@@ -348,7 +348,7 @@ def _place_issue(
 
 
 def _note_names_of_report(
-    specs: Mapping[Any, Any], tree: Map, axes: Sequence[Axis], resolved: Resolved, issues: Issues
+    specs: Mapping[Any, Any], tree: Map, axes: Sequence[Axis], resolved: StudyParts, issues: Issues
 ) -> None:
     """Note the cases and buildings under `report` and `keep` that the study does not have."""
     report = specs.get(("report",))

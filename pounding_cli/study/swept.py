@@ -32,7 +32,7 @@ class Swept(Generic[T]):
     axes: tuple[int, ...]
     values: np.ndarray
 
-    def at(self, point: Point) -> T:
+    def value_at(self, point: Point) -> T:
         """Return the value at a point of the whole sweep."""
         value: T = self.values[tuple([point[axis] for axis in self.axes])]
         return value

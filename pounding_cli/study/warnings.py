@@ -39,7 +39,7 @@ from pounding_cli.study.motions import MotionUse, Suite
 from pounding_cli.study.plan_warnings import warn_missing_accidental, warn_plan, warn_shift_without_effect
 from pounding_cli.study.quantity import FORCES, NUMBER, PLAUSIBLE_RANGES, Quantity
 from pounding_cli.study.records_spec import RecordsSpec
-from pounding_cli.study.resolve import Resolved, changes_part, resolve, tree_at
+from pounding_cli.study.resolve import StudyParts, changes_part, resolve, tree_at
 from pounding_cli.study.schema import StudySpec
 from pounding_cli.study.suite_rules import find_suite_issues
 from pounding_cli.study.swept import Point
@@ -48,7 +48,7 @@ from pounding_cli.units import GRAVITY
 
 if TYPE_CHECKING:
     from pounding_cli.study.study import Study
-    from pounding_cli.study.vary import UncertainInput
+    from pounding_cli.study.varied_inputs import UncertainInput
 
 MAX_CORNERS = 256
 """Combinations of the ends of several axes at which values are compared with each other."""
@@ -84,7 +84,7 @@ def find_warnings(study: Study) -> tuple[Problem, ...]:
     if study.spec.impact.dashpot == "printed":
         message = "eq. (7) as printed has the unit 1/s, not kg/s: its dashpot depends on the unit of mass"
         hint = "leave it out for the dashpot that gives the coefficient of restitution"
-        notes.at(study.tree, ("impact", "dashpot"), message, hint)
+        notes.add_at(study.tree, ("impact", "dashpot"), message, hint)
     return tuple(sorted(notes.found, key=lambda note: (note.file, note.line, note.column)))
 
 
@@ -97,7 +97,7 @@ class _View:
 
     tree: Map
     axes: Sequence[Axis]
-    resolved: Resolved
+    resolved: StudyParts
 
 
 def _resolve_uncertain_ends(study: Study) -> _View | None:
@@ -181,21 +181,21 @@ class _Warner:
         """Note what is doubtful at a point."""
         resolved = view.resolved
         tree = _LazyTree(view, point)
-        group = resolved.group.at(point)
+        group = resolved.group.value_at(point)
         for name, types in resolved.types.items():
-            spec = resolved.building_specs[name].at(point)
-            building = types.at(point)
+            spec = resolved.building_specs[name].value_at(point)
+            building = types.value_at(point)
             if self._is_new(name, spec, building):
                 warn_building(spec, building, tree, name, self.doubts)
         if self._is_new("group", group.meetings):
             self._warn_ignored_blows(group, tree)
-        impact = resolved.impact.at(point)
+        impact = resolved.impact.value_at(point)
         for name, links in resolved.complete_links.items():
-            laws = resolved.link_laws[name].at(point)
-            if self._is_new(name, links.at(point), laws, group):
-                warn_case(links.at(point), laws, impact, group, tree, self.doubts)
-        records = resolved.records.at(point)
-        suite = resolved.suite.at(point)
+            laws = resolved.link_laws[name].value_at(point)
+            if self._is_new(name, links.value_at(point), laws, group):
+                warn_case(links.value_at(point), laws, impact, group, tree, self.doubts)
+        records = resolved.records.value_at(point)
+        suite = resolved.suite.value_at(point)
         if self._is_new("motions", records, suite):
             warn_motions(records, suite, self.is_swept_pga, tree, self.doubts)
         if self._is_new("rules of a code", records, suite, group):

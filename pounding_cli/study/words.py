@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import re
 import types
 import typing
 from collections.abc import Iterator, Sequence
@@ -12,11 +13,11 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import PydanticCustomError
 
 from pounding_cli.laws import KELVIN_VOIGT, contact_laws, link_laws
+from pounding_cli.study.complete_links import refuse_beside_links, refuse_key
 from pounding_cli.study.file import dump_yaml, get, nearest
 from pounding_cli.study.issues import Issue, KeyPath
 from pounding_cli.study.link_specs import NO_LINK, POUNDING, SeveralLinks, link_keys, link_models, union_tag
-from pounding_cli.study.links import refuse_beside_links, refuse_key
-from pounding_cli.study.quantity import Quantity, ValueParser, quote
+from pounding_cli.study.quantity import SEVERAL_VALUES, Quantity, ValueParser, quote
 from pounding_cli.study.records_spec import CODE_TARGETS
 
 
@@ -171,9 +172,17 @@ def describe_error(item: dict[str, Any], path: KeyPath, model: type[BaseModel], 
     if kind in _MESSAGES:
         message, hint, at_key = _MESSAGES[kind]
         fields = context | {"owner": owner, "value": quote(value)}
+        if kind == "string_pattern_mismatch":
+            hint += _explain_dots(str(value), str(context["pattern"]))
+            at_key = name != "name"  # keys that are names themselves
         if kind == "too_long":  # pydantic does not always count
             fields["actual_length"] = len(value or ())
         other_form = _OTHER_FORMS.get(path[-1], "") if at_key is False else ""
+        if kind in ("literal_error", "enum") and isinstance(value, list | dict):
+            message = "{owner}{value} stands where one word belongs"
+            other_form = other_form or f"; {SEVERAL_VALUES}"
+        if kind in ("tuple_type", "list_type"):
+            other_form += _example_of_list(model, path)
         return message.format_map(fields), hint.format_map(fields) + other_form, at_key
     match kind:
         case "refused":
@@ -235,7 +244,44 @@ def _describe_unknown(name: str, path: KeyPath, model: type[BaseModel], tree: An
         return (*refuse_beside_links(name), True)
     if name in keys:
         return f"'{name}' does not go with the other keys here", "remove it, or them", True
+    if (several := _describe_listed_value(name, path, model, tree)) is not None:
+        return several
     return f"unknown key '{name}'", nearest(name, dict.fromkeys(keys)), True
+
+
+def _describe_listed_value(name: str, path: KeyPath, model: type[BaseModel], tree: Any) -> Described | None:
+    """Describe the second value of a key, `floors: 1, 2` in braces, which YAML reads as a key; None for other keys."""
+    owner = _walk(tree, path[:-1])[0]
+    is_value = re.match(r"[-+±/. ]*[0-9]", name) is not None
+    if not is_value or not isinstance(owner, dict) or owner.get(name, name) is not None:
+        return None
+    names = [str(key) for key in owner]
+    before = names[names.index(name) - 1]
+    if before == name or isinstance(owner[before], dict | list | None):
+        return None
+    hint = f"'{before}' takes one value; {SEVERAL_VALUES}"
+    if any(get_origin(kind) is tuple for kind in types_at(model, (*path[:-1], before))[0]):
+        hint = f"write a list in brackets, `{before}: [{owner[before]}, {name}]`"
+    return f"'{name}' stands where a key belongs", hint, True
+
+
+def _explain_dots(name: str, pattern: str) -> str:
+    """Return why a name has no dot, or that it may have some; "" where neither is asked.
+
+    pattern : of the names that are allowed
+    """
+    if "." in pattern:
+        return "; dots behind the first one"
+    return "; a dot stands between the keys of a dotted name, `cases.near.gap`" if "." in name else ""
+
+
+def _example_of_list(model: type[BaseModel], path: KeyPath) -> str:
+    """Return the example of a key that takes a list, `, e.g. lines: [...]`; "" where the schema has none."""
+    field = types_at(model, path)[1]
+    examples = field.examples if field is not None else None
+    if not examples or not isinstance(examples[0], list | tuple):
+        return ""
+    return f", e.g. `{_last_key(path)}: {dump_yaml(examples[0])}`"
 
 
 def _keys_taken(word: str, keys: list[str], tree: Any) -> list[str]:

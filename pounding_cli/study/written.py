@@ -14,8 +14,8 @@ from pounding_cli.study.building_spec import BuildingSpec
 from pounding_cli.study.file import Items, Map, get
 from pounding_cli.study.issues import Issue, Issues, IssuesFound, KeyPath
 from pounding_cli.study.like import resolve_like
+from pounding_cli.study.link_names import NamedInLink, Names, find_impact_name_issues, find_link_name_issues
 from pounding_cli.study.link_specs import MAX_PAIR
-from pounding_cli.study.links import NamedInLink, Names, find_impact_name_issues, find_link_name_issues
 from pounding_cli.study.quantity import LINK_STIFFNESS
 from pounding_cli.study.schema import ENTRIES, StudySpec
 from pounding_cli.study.words import MAX_DESCRIBED, describe_error, describe_errors

@@ -19,7 +19,7 @@ from pounding_cli.api.studies import load_study
 from pounding_cli.methods import METHODS
 from pounding_cli.model.scene import Scene
 from pounding_cli.questions.accuracy.figures import LOOKS, MIN_ERROR
-from pounding_cli.report.style import Look, new_figure, save_figures, styled
+from pounding_cli.report.style import Look, new_figure, save_figures, with_style
 from pounding_cli.solver.solve import solve
 from pounding_cli.solver.work_precision import measure
 from pounding_cli.study import make_plan
@@ -151,7 +151,7 @@ def draw_error_against_time(scene: Scene, opensees: list[Run]) -> None:
     save_figures({"error-against-time": _draw(found.runs, opensees)}, FIGURES, ["png"])
 
 
-@styled
+@with_style
 def _draw(runs: list[dict[str, Any]], opensees: list[Run]) -> Figure:
     """Return the figure: a line a method, from coarse to fine settings."""
     figure = new_figure(6.4, 3.6)

@@ -344,7 +344,7 @@ def test_init_writes_a_study_like_one_that_comes_with_the_program(folder, pound,
 def test_init_names_the_studies_that_there_are(folder, pound):
     code, out, err = pound("init", "mine", "--like", "impact-oscilator")
     assert (code, out) == (2, "")
-    assert "did you mean 'impact-oscillator'? known: chopra-frame" in err
+    assert "did you mean 'impact-oscillator'? known: chopra-appendage" in err
     assert not Path("mine.yaml").exists()
 
 

@@ -14,7 +14,8 @@ from matplotlib.colors import to_hex
 import pounding_cli
 from pounding_cli.questions.gap.cases import judge_gaps
 from pounding_cli.questions.gap.figures import list_figures
-from pounding_cli.questions.gap.words import list_notes, list_sentences, list_tables
+from pounding_cli.questions.gap.sentences import list_sentences
+from pounding_cli.questions.gap.words import list_notes, list_tables
 from pounding_cli.questions.reports import build_report
 from pounding_cli.results.results import ResultTables
 

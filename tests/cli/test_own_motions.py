@@ -197,3 +197,12 @@ def test_a_ramp_leaves_the_steady_motion() -> None:
     steady = 1.0 / math.hypot(1.0 - ratio**2, 2.0 * 0.05 * ratio)
     assert spectrum(motion, [0.5], 0.05)[0] == pytest.approx(steady, rel=2e-3)
     assert spectrum(Sine(1.2, 1.0, 120).build_motion(), [0.5], 0.05)[0] > 1.2 * steady
+
+
+def test_a_motion_may_have_a_dot_in_its_name(motion, pound) -> None:
+    """Fails if a name that is only a label is refused, or is cut at its dot in results or files."""
+    motion("sine.txt")
+    said = flat(pound("run", "[{file: sine.txt, name: 1.25 Hz}]").stdout)
+    assert "Motions: user: 1.25 Hz" in said
+    results = pounding_cli.open_results("results/study.h5")
+    assert set(results.storey()["record"]) == {"1.25 Hz"}

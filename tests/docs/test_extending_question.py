@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import pkgutil
 import shutil
 import subprocess
 import sys
@@ -11,6 +12,8 @@ import sys
 import pytest
 from pages import ROOT, blocks
 
+from pounding_cli.questions import load_questions
+from pounding_cli.questions.question import LateFunction
 from tests.night import NIGHTLY
 
 PAGE = ROOT / "docs" / "extending.md"
@@ -24,6 +27,8 @@ spec = importlib.util.spec_from_file_location("pounding_cli.questions.drift", "d
 sys.modules[spec.name] = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(sys.modules[spec.name])
 
+from pounding_cli.questions import load_questions
+from pounding_cli.questions.question import LateFunction
 from pounding_cli.cli.main import main
 main()
 """
@@ -76,3 +81,11 @@ def test_its_section_is_checked_and_in_the_schema(folder):
     assert "wrong.yaml:5:" in refused.stderr
     schema = json.loads(_pound(folder, "schema").stdout)
     assert "drift" in schema["properties"]
+
+
+def test_every_late_function_of_a_question_is_there():
+    late = [
+        value for question in load_questions() for value in vars(question).values() if isinstance(value, LateFunction)
+    ]
+    assert len(late) > 25
+    assert all(callable(pkgutil.resolve_name(function.place)) for function in late)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 import sys
-from math import pi
+from math import exp, pi, sqrt
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +25,9 @@ IMPACT_RESONANCE = sys.modules["impact_resonance"]
 IMPACT_DOUBLING = sys.modules["impact_doubling"]
 HERTZ_IMPACT = sys.modules["hertz_impact"]
 STUDIES = sys.modules["comparison"].STUDIES
-SOON = ("eccentric-blow",)
+SLIDING_BLOCK = sys.modules["sliding_block"]
+SUPERPOSITION = sys.modules["superposition"]
+SOON = ("eccentric-blow", "sliding-block")
 """Studies that every run of the tests looks at; `make reference` and `make docs` run the others too."""
 
 NUMBER = re.compile(r"[-+−]?\d+(?:\.\d+)?")
@@ -44,10 +46,22 @@ def test_its_table_is_that_of_the_page(name):
     """Fails if a number of the page is another one than the study gives."""
     if name not in SOON and "POUND_NIGHTLY" not in os.environ:
         pytest.skip("make reference runs it every night")
-    if missing := PUBLISHED.ENTRIES[name].find_missing_packages():
+    if missing := PUBLISHED.ENTRIES[name].find_missing_sources():
         pytest.skip(f"needs a motion of {', '.join(missing)}")
     _, table, _ = PUBLISHED.split_page(PUBLISHED.PAGE.read_text(encoding="utf-8"), name)
     assert PUBLISHED.format_rows(PUBLISHED.find_rows(name)) == table
+
+
+def test_a_study_says_where_its_motions_come_from(monkeypatch, tmp_path):
+    entry = sys.modules["comparison"].Entry
+    packaged = entry(rows=iter, motions=("no_such_package/motion.csv", "numpy/motion.csv"))
+    assert packaged.find_missing_sources() == ["`pip install no_such_package`"]
+    public = entry(rows=iter, motions=("folder/motion.txt",), repository="owner/motions")
+    monkeypatch.setenv("POUND_CHECKOUTS", str(tmp_path))
+    assert public.find_missing_sources() == ["a checkout of github.com/owner/motions in the folder POUND_CHECKOUTS"]
+    (tmp_path / "motions").mkdir()
+    assert public.find_missing_sources() == []
+    assert list(public.find_motions()) == [tmp_path / "motions" / "folder" / "motion.txt"]
 
 
 @pytest.mark.parametrize(
@@ -90,6 +104,25 @@ def test_end_of_a_rod_that_strikes_another():
         right = np.concatenate([here[1:], [0.0]])
         here, before = left + right - before, here
         here[-1] = 0.0
+
+
+def test_the_travel_of_the_block_is_that_of_its_source():
+    """Within the rounding of a calculation by hand."""
+    compression, way_back = SLIDING_BLOCK.find_travel()
+    assert compression == pytest.approx(0.688, abs=5e-4)
+    assert way_back == pytest.approx(1.73, abs=1e-2)
+
+
+def test_superposed_modes_under_a_steady_acceleration():
+    """Two oscillators side by side; each overshoots its static displacement by exp(-pi zeta / sqrt(1 - zeta^2))."""
+    damping = 0.05
+    mass, stiffness = np.array([4.0, 1.0]), np.array([36.0, 100.0])
+    displacements = SUPERPOSITION.superpose_modes(
+        np.diag(stiffness), np.diag(mass), np.ones(2), damping, samples=np.full(200, 0.5)
+    )
+    overshoot = exp(-pi * damping / sqrt(1 - damping**2))
+    expected = 0.5 * mass / stiffness * (1 + overshoot)
+    assert np.abs(displacements).max(axis=0) == pytest.approx(expected, rel=1e-5)
 
 
 def find_blows(w: float, r: float, s: float, number: int) -> tuple[list[float], list[float]]:

@@ -15,7 +15,7 @@ from click.testing import CliRunner
 
 import pounding_cli
 from pounding_cli.cli.main import cli
-from pounding_cli.paper import claims
+from pounding_cli.paper import claims, verdicts
 
 ROOT = Path(__file__).parents[2]
 COLUMN = {"fig6": 1, "fig7": 3}
@@ -70,7 +70,7 @@ def test_the_thresholds_are_those_of_the_page(judged):
     """Fails if a threshold moves either way."""
     _, _, results = judged
     page = {row[0]: row[2] for row in read_rows("Statements")}
-    numbers = claims.judge_claims(results)
+    numbers = verdicts.judge_claims(results)
     for claim, mine in numbers.groupby("claim"):
         assert page[claim] == ", ".join(dict.fromkeys(mine["threshold"])), claim
     assert page.keys() - {"claim"} == claims.CLAIMS.keys()
@@ -79,7 +79,7 @@ def test_the_thresholds_are_those_of_the_page(judged):
 def test_the_verdict_of_every_number_follows_from_its_threshold(judged):
     """Fails if the threshold in words is not the one that decides."""
     _, _, results = judged
-    for row in claims.judge_claims(results).to_dict("records"):
+    for row in verdicts.judge_claims(results).to_dict("records"):
         words = dict(re.findall(r"(at least|at most|above|below) (-?[\d.]+)", row["threshold"]))
         number = row["number"]
         holds = [
@@ -126,7 +126,7 @@ def test_floors_that_are_not_connected_stay_apart(judged):
     free = links[(links["case"] == "connected") & (links["kind"] == "pounding")]
     assert set(free["floor"]) == {1, 2, 4}
     assert free["impacts"].sum() == 0
-    numbers = claims.judge_claims(results)
+    numbers = verdicts.judge_claims(results)
     (number,) = numbers[numbers["claim"] == "connection-levels"]["number"]
     assert number == pytest.approx(100 * (free["max_closing"] / free["gap"]).max())
     if figure == "fig6":
@@ -136,7 +136,7 @@ def test_floors_that_are_not_connected_stay_apart(judged):
 def test_a_connector_pulls_and_pushes(judged):
     """What the claim says of the sums over time is so at single instants."""
     _, _, results = judged
-    numbers = claims.judge_claims(results).set_index("finding")["number"]
+    numbers = verdicts.judge_claims(results).set_index("finding")["number"]
     words = "force of a connector summed over a motion, pulling negative"
     assert numbers[f"{words}, smallest"] < 0 < numbers[f"{words}, largest"]
     forces = results.history(case="connected").frame("link_force")
@@ -159,7 +159,7 @@ def test_the_side_of_every_choice_is_that_of_the_page(figure, choice, tmp_path):
     del study["report"]
     (tmp_path / "study.yaml").write_text(yaml.safe_dump(study, sort_keys=False))
     results = pounding_cli.run(tmp_path / "study.yaml", tmp_path / "r.h5", engine="serial")
-    numbers = claims.judge_claims(results)
+    numbers = verdicts.judge_claims(results)
     numbers = numbers[(numbers["claim"] == "connection-stiffer") & (numbers["measure"] != "")]
     found = [
         "; ".join(f"{value:+.3f}".replace("-", "−") for value in mine["number"])

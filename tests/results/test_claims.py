@@ -11,21 +11,9 @@ import pytest
 import xarray as xr
 
 from pounding_cli.numbers import NOTHING
-from pounding_cli.paper.claims import (
-    AS_GIVEN,
-    CLAIMS,
-    FAILS,
-    HOLDS,
-    LARGEST,
-    MEAN,
-    PARTLY,
-    UNTESTED,
-    build_claims_table,
-    evaluate_claims,
-    format_verdict,
-    summarize_verdicts,
-)
+from pounding_cli.paper.claims import AS_GIVEN, CLAIMS, FAILS, HOLDS, LARGEST, MEAN, PARTLY, UNTESTED
 from pounding_cli.paper.comparison import _compare_claims
+from pounding_cli.paper.verdicts import build_claims_table, evaluate_claims, format_verdict, summarize_verdicts
 from pounding_cli.records import load_catalogue
 
 CASES = ("touching", "gap", "infill", "infill_1_10", "infill_1_100", "connected")

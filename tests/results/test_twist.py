@@ -136,6 +136,31 @@ def test_means_of_ratios_of_lines(results):
     assert np.isfinite(results.values("line_mu_ratio_mean_error")[:, 0, 1, 0]).all()
 
 
+STRUCK = """\
+records: {use: [taft], duration: 3 s}
+buildings:
+  low: {storeys: 2, period: 0.25 s, height: 3 m, slab: 20 cm, columns: 20 %}
+  high: {storeys: 2, period: 0.60 s, height: 4 m, slab: 20 cm, columns: 25 %}
+group: [low, high]
+cases: {touching: {link: pounding, gap: 5 mm}}
+analyses: [elastic]
+"""
+
+
+def test_struck_columns_by_place(tmp_path):
+    """Columns of one storey are struck at both ends of the edge; a study without a plan has no such column."""
+    plan = "plan: {width: 20 m, depth: 10 m, shift: 1 m, eccentricity: 10 %, frequency_ratio: 1.1}"
+    tables = []
+    for name, text in (("twisting", STRUCK.replace("columns: 25 %", f"columns: 25 %, {plan}")), ("plain", STRUCK)):
+        path = tmp_path / f"{name}.yaml"
+        path.write_text(text)
+        tables.append(pound.run(path, path.with_suffix(".h5"), engine="serial").struck())
+    twisting, plain = tables
+    assert twisting.groupby(["building", "storey"])["street"].apply(list).tolist() == [[-9.0, 11.0]] * 3
+    assert [*twisting.columns].index("street") == [*twisting.columns].index("at") + 1
+    assert [*plain.columns] == [name for name in twisting.columns if name != "street"]
+
+
 def test_contact_by_place(results):
     """Both ends of the edge that the floors share; soft has no plan and ends where corner does."""
     link = results.link().query("case == 'touching' and `impact.restitution` == 0.8 and record == 'taft'")

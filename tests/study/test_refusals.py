@@ -72,6 +72,17 @@ def test_what_stands_for_a_list_of_links_is_sound():
 
 
 @pytest.mark.parametrize(
+    ("floors", "hint"), [("7", "write floors among 1, 2, 3, 4, 5, 6"), ("base", "6"), ("[[6, 7]]", "")]
+)
+def test_a_floor_that_is_not_there_is_never_suggested(floors, hint):
+    """Fails if `[[7, 6]]` or `[[0, 1]]` is told where there is no seventh floor, and no base that moves."""
+    study = THREE.replace("link: [pounding]", f"link: pounding, floors: {floors}")
+    ((_, _, words),) = refused(study)
+    assert words.endswith(hint)
+    assert "[[" not in words
+
+
+@pytest.mark.parametrize(
     ("force", "unit"),
     [
         ("k*v**0.5", "MN/m^0.5"),

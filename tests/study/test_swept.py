@@ -49,8 +49,8 @@ def swept(values, *axes: int) -> Swept:
 def test_a_mapped_value_depends_on_the_axes_of_its_parts():
     total = sweep_map(lambda a, b, c: a + b + c, swept([1, 2], 0), swept([10, 20, 30], 2), build_constant(100))
     assert total.axes == (0, 2)
-    assert total.at((1, 99, 2)) == 132
-    assert total.at((0, 7, 0)) == 111
+    assert total.value_at((1, 99, 2)) == 132
+    assert total.value_at((0, 7, 0)) == 111
 
 
 def test_points_whose_parts_are_the_same_objects_share_one_result():
@@ -58,8 +58,8 @@ def test_points_whose_parts_are_the_same_objects_share_one_result():
     one, other = ["x"], ["x"]
     built = sweep_map(lambda part, _: calls.append(part) or [part], swept_objects([one, one, other]), swept([1, 1], 1))
     assert len(calls) == 2  # equal, but another object
-    assert built.at((0, 0)) is built.at((1, 1))
-    assert built.at((0, 0)) is not built.at((2, 0))
+    assert built.value_at((0, 0)) is built.value_at((1, 1))
+    assert built.value_at((0, 0)) is not built.value_at((2, 0))
 
 
 def swept_objects(values) -> Swept:
@@ -68,7 +68,7 @@ def swept_objects(values) -> Swept:
 
 def test_what_has_no_part_is_none_and_not_built():
     doubled = sweep_map(lambda value: 2 * value, swept([1, None, 3], 0))
-    assert [doubled.at((place,)) for place in range(3)] == [2, None, 6]
+    assert [doubled.value_at((place,)) for place in range(3)] == [2, None, 6]
     assert not doubled.is_sound
 
 
@@ -80,7 +80,7 @@ def test_issues_of_one_point_are_noted_there_and_raised_where_nobody_notes_them(
 
     issues = Issues()
     result = sweep_map(refuse, swept([1, 2], 3), issues=issues)
-    assert result.at((0, 0, 0, 1)) is None
+    assert result.value_at((0, 0, 0, 1)) is None
     assert {key: list(points) for key, points in issues.points.items()} == {(Issue(("gap",), "too wide"), (3,)): [(1,)]}
     with pytest.raises(IssuesFound):
         sweep_map(refuse, swept([1, 2], 3))
@@ -219,13 +219,13 @@ def test_contact_keys_of_impact_reach_pounding_of_that_law_alone():
     impact: {law: hertz, hertz_stiffness: 5e9 N/m^1.5}
     cases: {a: {gap: 5 cm, links: [{link: pounding, floors: [1]}, {link: connector, floors: rest}]}}
     """)
-    pounding, connector = found.resolved.complete_links["a"].at(())
+    pounding, connector = found.resolved.complete_links["a"].value_at(())
     assert pounding.law == "hertz"
     assert pounding.values["hertz_stiffness"] == 5e9
     assert pounding.paths["hertz_stiffness"] == ("impact", "hertz_stiffness")
     assert {*connector.values} == {"gap"}
     assert [link.law.name for link in found.links((), "a")] == ["hertz", "connector"]
-    of_another = load("impact: {hertz_stiffness: 5e9 N/m^1.5}").resolved.complete_links["a"].at(())
+    of_another = load("impact: {hertz_stiffness: 5e9 N/m^1.5}").resolved.complete_links["a"].value_at(())
     assert {*of_another[0].values} == {"gap"}
 
 
@@ -234,9 +234,9 @@ def test_a_damping_ratio_of_a_link_sets_the_restitution_of_impact_aside():
     impact: {restitution: 0.4}
     cases: {a: {link: pounding, gap: 5 cm, damping_ratio: 5 %}, b: {link: pounding, gap: 5 cm}}
     """)
-    (ratio,) = found.resolved.link_laws["a"].at(())
-    assert "restitution" not in found.resolved.complete_links["a"].at(())[0].values
-    (restitution,) = found.resolved.link_laws["b"].at(())
+    (ratio,) = found.resolved.link_laws["a"].value_at(())
+    assert "restitution" not in found.resolved.complete_links["a"].value_at(())[0].values
+    (restitution,) = found.resolved.link_laws["b"].value_at(())
     assert ratio.damping_ratio == 0.05
     assert restitution.damping_ratio == pytest.approx(-np.log(0.4) / np.hypot(np.pi, np.log(0.4)))
 

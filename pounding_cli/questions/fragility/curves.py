@@ -281,7 +281,7 @@ class Curve(NamedTuple):
 
     @property
     def is_fitted(self) -> bool:
-        """Whether it has a median and a spread."""
+        """True where it has a median and a spread."""
         return self.columns["outcome"] == Outcome.FITTED
 
 

@@ -28,7 +28,7 @@ from pounding_cli.questions.fragility.words import (
 from pounding_cli.questions.frames import ALONE, POUNDING, STATE
 from pounding_cli.report.document import Picture
 from pounding_cli.report.evidence import Evidence, describe_motions, find_nominal
-from pounding_cli.report.style import Look, finish, grid, looks, shared_legend, styled
+from pounding_cli.report.style import Look, finish, grid, looks, shared_legend, with_style
 from pounding_cli.tables import Column
 
 if TYPE_CHECKING:
@@ -83,7 +83,7 @@ def _describe_curves(results: ResultTables, rows: pd.DataFrame) -> str:
 # Curves
 
 
-@styled
+@with_style
 def draw_curves(evidence: Evidence, analysis: str) -> Figure:
     """Draw probability against intensity: a panel for each limit and building or pair."""
     results = evidence.results
@@ -229,7 +229,7 @@ def find_shares(motions: pd.DataFrame, method: str) -> tuple[np.ndarray, np.ndar
 # Annual rates
 
 
-@styled
+@with_style
 def draw_contributions(evidence: Evidence) -> Figure:
     """Draw the annual rate per ln of the intensity, alone and with pounding: a panel for each limit and building.
 

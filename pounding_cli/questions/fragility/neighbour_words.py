@@ -1,4 +1,4 @@
-"""What a neighbour that is only seen adds to fragility curves, in sentences and a table."""
+"""Sentences and a table of fragility curves beside a neighbour that is only seen."""
 
 from __future__ import annotations
 

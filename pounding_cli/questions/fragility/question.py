@@ -15,12 +15,7 @@ from pounding_cli.questions.fragility.hunt import expected_levels, next_levels
 from pounding_cli.questions.fragility.spec import FragilitySpec
 from pounding_cli.questions.fragility.targets import find_targets
 from pounding_cli.questions.frames import ALONE, POUNDING
-from pounding_cli.questions.hazard import (
-    SWEEP_EXAMPLE,
-    build_hazard,
-    find_intensity_axis,
-    measure_motion,
-)
+from pounding_cli.questions.hazard import SWEEP_EXAMPLE, build_hazard, find_intensity_axis, measure_motion
 from pounding_cli.questions.neighbours import build_neighbour_axis, list_drawn
 from pounding_cli.questions.question import Answer, StudyQuestion
 from pounding_cli.questions.specs import Measure

@@ -1,4 +1,4 @@
-"""What `pound fragility` prints: the answer in sentences, its tables, and what a reader should know of the numbers."""
+"""The texts of `pound fragility`: its answer in sentences, its tables, and notes on the numbers."""
 
 from __future__ import annotations
 
@@ -15,15 +15,7 @@ from pounding_cli.questions.fragility.tables import CURVES, NEIGHBOURS, PERCENT,
 from pounding_cli.questions.frames import ALONE, POUNDING, STATE
 from pounding_cli.questions.hazard import YEARS
 from pounding_cli.report.evidence import find_nominal
-from pounding_cli.study.expression import (
-    COLLAPSE,
-    CONTACT,
-    DAMAGE_LIMITS,
-    EDGE_DRIFT,
-    SHEAR_DEMAND,
-    TWIST,
-    parse_limit,
-)
+from pounding_cli.study.expression import COLLAPSE, CONTACT, DAMAGE_LIMITS, EDGE_DRIFT, SHEAR_DEMAND, TWIST, parse_limit
 from pounding_cli.study.records_spec import INTENSITY_KEYS
 from pounding_cli.tables import Column, Row, Table
 

@@ -2,60 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
-
 from pounding_cli.questions.gap.spec import GapSpec
 from pounding_cli.questions.gap.tables import COLUMNS_BY_TABLE
-from pounding_cli.questions.question import Question, StudyQuestion
+from pounding_cli.questions.question import LateFunction, Question
 from pounding_cli.study.schema import Section
-
-if TYPE_CHECKING:
-    from pounding_cli.report.document import Picture
-    from pounding_cli.results.results import ResultTables
-    from pounding_cli.study import Study
-    from pounding_cli.tables import Table
-
-
-def _ask(study: Study) -> StudyQuestion:
-    from pounding_cli.questions.gap.question import Gap
-
-    return Gap(study)
-
-
-def _sentences(results: ResultTables) -> Sequence[str]:
-    from pounding_cli.questions.gap.words import list_sentences
-
-    return list_sentences(results)
-
-
-def _shown_tables(results: ResultTables) -> Sequence[Table]:
-    from pounding_cli.questions.gap.words import list_tables
-
-    return list_tables(results)
-
-
-def _notes(results: ResultTables) -> Sequence[str]:
-    from pounding_cli.questions.gap.words import list_notes
-
-    return list_notes(results)
-
-
-def _figures(results: ResultTables) -> Sequence[Picture]:
-    from pounding_cli.questions.gap.figures import list_figures
-
-    return list_figures(results)
-
-
-def _cite(resolved: Mapping[str, Any]) -> Iterable[tuple[str, str]]:
-    from pounding_cli.questions.gap.words import list_references
-
-    return list_references(resolved)
-
 
 QUESTION = Question(
     name="gap",
-    ask=_ask,
+    ask=LateFunction("pounding_cli.questions.gap.question:Gap"),
     section=Section(
         "gap",
         GapSpec,
@@ -63,10 +17,10 @@ QUESTION = Question(
         {"percentiles": "84 %"},
     ),
     tables=COLUMNS_BY_TABLE,
-    sentences=_sentences,
-    shown_tables=_shown_tables,
-    notes=_notes,
-    figures=_figures,
-    cite=_cite,
+    sentences=LateFunction("pounding_cli.questions.gap.sentences:list_sentences"),
+    shown_tables=LateFunction("pounding_cli.questions.gap.words:list_tables"),
+    notes=LateFunction("pounding_cli.questions.gap.words:list_notes"),
+    figures=LateFunction("pounding_cli.questions.gap.figures:list_figures"),
+    cite=LateFunction("pounding_cli.questions.gap.words:list_references"),
 )
 """`pound gap`."""

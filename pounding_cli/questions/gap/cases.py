@@ -1,4 +1,4 @@
-"""Whether the gaps of the cases of a study are enough."""
+"""Judge whether the gaps of the cases of a study are enough."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def build_cases_table(study: Study, plan: Plan, separations: pd.DataFrame) -> Ta
 
 
 class Verdict(NamedTuple):
-    """Whether the gaps between two neighbours are enough.
+    """The verdict on the gaps between two neighbours.
 
     floors : number of the governing floors, which lack most or have least to spare
     required : there, the largest of the motions [m]

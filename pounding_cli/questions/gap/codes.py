@@ -1,4 +1,4 @@
-"""What the gaps of codes are worth: how many motions close them, how likely contact is, and how often a year."""
+"""Judge the gaps of codes: how many motions close them, how likely contact is, and how often a year."""
 
 from __future__ import annotations
 

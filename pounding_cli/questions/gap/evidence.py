@@ -1,4 +1,4 @@
-"""What the tables of `pound gap` say at one point of the sweep, for sentences, tables and figures."""
+"""Rows of the tables of `pound gap` at one point of the sweep, for sentences, tables and figures."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class CaseEntry:
 
 
 class GapEvidence:
-    """What the tables of `pound gap` say at one point of the sweep.
+    """Rows of the tables of `pound gap` at one point of the sweep.
 
     results : of the whole file
     shown : the results at this point

@@ -15,7 +15,7 @@ from pounding_cli.questions.gap.sentences import list_sentences
 from pounding_cli.questions.gap.tables import CONFIDENCE, EXACT, NEIGHBOURS_TABLE
 from pounding_cli.report.document import Picture
 from pounding_cli.report.evidence import describe_motions
-from pounding_cli.report.style import finish, grid, shared_legend, styled
+from pounding_cli.report.style import finish, grid, shared_legend, with_style
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -63,7 +63,7 @@ def list_figures(results: ResultTables) -> list[Picture]:
     return pictures
 
 
-@styled
+@with_style
 def draw_profiles(evidence: GapEvidence) -> Figure:
     """Draw gaps across, height upwards: a panel for each pair of neighbours and analysis."""
     unit = evidence.unit

@@ -10,7 +10,7 @@ import pandas as pd
 from pounding_cli.questions.gap.evidence import GapEvidence
 from pounding_cli.questions.gap.tables import NEIGHBOUR_CASES_TABLE, NEIGHBOURS_TABLE
 from pounding_cli.report.evidence import describe_motions
-from pounding_cli.report.style import finish, grid, shared_legend, styled
+from pounding_cli.report.style import finish, grid, shared_legend, with_style
 from pounding_cli.study.archetypes import is_sample_key
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ _DRAWN = ("#0072B2", "over what the neighbour may be")
 _MEDIAN = ("#777777", "with the median neighbour")
 
 
-@styled
+@with_style
 def draw_probabilities(evidence: GapEvidence) -> Figure:
     """Draw the probability that a gap is enough: a panel for each pair of neighbours and analysis."""
     results = evidence.results

@@ -7,12 +7,7 @@ from typing import TYPE_CHECKING
 
 from pounding_cli.numbers import format_number, join_limited, pluralize
 from pounding_cli.questions.gap.evidence import GapEvidence, describe_pair
-from pounding_cli.questions.gap.tables import (
-    NEIGHBOUR_CASES_TABLE,
-    NEIGHBOUR_SHARES,
-    NEIGHBOURS_TABLE,
-    name_enough,
-)
+from pounding_cli.questions.gap.tables import NEIGHBOUR_CASES_TABLE, NEIGHBOUR_SHARES, NEIGHBOURS_TABLE, name_enough
 from pounding_cli.questions.neighbours import describe_seen, list_drawn_names
 from pounding_cli.tables import Column, Row, Table
 

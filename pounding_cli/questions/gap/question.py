@@ -63,7 +63,7 @@ class Gap(StudyQuestion):
         self.hazard: Hazard | None = None
         if not any(links for _, links in self.links.iter_values()):
             message = "no two neighbours share an edge along the street, so no gap between them can close"
-            self.problems.at(study.tree, ("group",), message, "let their plans overlap along the street (`shift:`)")
+            self.problems.add_at(study.tree, ("group",), message, "let their plans overlap along the street (`shift:`)")
             self.problems.check()
         if self.spec.hazard is not None:
             self._read_hazard()

@@ -26,7 +26,7 @@ DRAWS = 300
 
 @dataclass(frozen=True, eq=False)
 class RateBasis:
-    """What annual rates of contact follow from.
+    """The motions and the hazard curve that annual rates of contact follow from.
 
     hazard : how often a year an intensity is exceeded
     intensity_axis : number of the axis that varies the intensity; None of one intensity

@@ -54,7 +54,7 @@ depend on the motions; NaN where it says nothing."""
 
 @dataclass(frozen=True)
 class PointState:
-    """What is known of the group at one point of the sweep.
+    """The group at one point of the sweep, as far as separations need it.
 
     index : of the point
     number : of the point, from 0
@@ -365,7 +365,7 @@ def _find_code_edges(plan: Plan) -> CodeEdges:
         building = plan.study.building(index, place)
         if isinstance(building, Wall) or not needs_plan(building):
             return None
-        return find_code_displacements(specs[plan.study.spec.group[place]].at(index), building, arm)
+        return find_code_displacements(specs[plan.study.spec.group[place]].value_at(index), building, arm)
 
     return find
 
@@ -378,7 +378,7 @@ def _read_code_displacements(plan: Plan, index: Point, displacements: CodeDispla
     shape = (len(plan.buildings), 1 + max_storeys(plan))
     by_rule = {rule.name: np.full(shape, np.nan) for rule in CODE_RULES}
     for place, name in enumerate(plan.study.spec.group):
-        for rule, floors in displacements[name].at(index).items():
+        for rule, floors in displacements[name].value_at(index).items():
             by_rule[rule][place, 0] = 0.0
             by_rule[rule][place, 1 : 1 + len(floors)] = floors
     return by_rule

@@ -1,4 +1,4 @@
-"""What `pound gap` says: its answer in sentences, its tables, and what a reader should know of the numbers."""
+"""The texts of `pound gap`: its tables, references and notes on the numbers."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from pounding_cli.questions.gap.evidence import (
     select_widest,
 )
 from pounding_cli.questions.gap.neighbour_words import note_median, show_neighbours
-from pounding_cli.questions.gap.sentences import describe_rate, list_sentences
+from pounding_cli.questions.gap.sentences import describe_rate
 from pounding_cli.questions.gap.spec import format_needed_keys
 from pounding_cli.questions.gap.tables import (
     CASES_TABLE,
@@ -42,8 +42,6 @@ from pounding_cli.tables import Column, Row, Table
 
 if TYPE_CHECKING:
     from pounding_cli.results.results import ResultTables
-
-__all__ = ["list_notes", "list_references", "list_sentences", "list_tables"]
 
 MIN_PERCENT = 0.01
 """Probability of contact, or of none, below which no number is shown [%]."""

@@ -15,7 +15,7 @@ from pounding_cli.questions.optimise.tables import OPTIMUM, POINTS
 from pounding_cli.questions.optimise.words import MAX_KEYS, key_unit, list_sentences, sought_unit
 from pounding_cli.report.document import Picture
 from pounding_cli.report.evidence import describe_motions, find_nominal
-from pounding_cli.report.style import finish, grid, is_for_page, name_axis, shared_legend, styled
+from pounding_cli.report.style import finish, grid, is_for_page, name_axis, shared_legend, with_style
 from pounding_cli.tables import Row
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def list_figures(results: ResultTables) -> list[Picture]:
     return [Picture("optimise", "The optimum and its surroundings", text, partial(draw_optimum, results))]
 
 
-@styled
+@with_style
 def draw_optimum(results: ResultTables) -> Figure:
     """Return the number sought over each key: every point tried, and a line along this key through the optimum."""
     keys = _scale_keys(results)

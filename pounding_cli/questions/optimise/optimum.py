@@ -41,7 +41,8 @@ from pounding_cli.study import Plan, Study, make_plan
 from pounding_cli.study.edit import with_values
 from pounding_cli.study.expression import Statement, parse_expression, parse_statement
 from pounding_cli.study.file import get, nearest
-from pounding_cli.study.vary import DistributedInput, KeyInput, read_searched
+from pounding_cli.study.varied_inputs import DistributedInput, KeyInput
+from pounding_cli.study.vary import read_searched
 from pounding_cli.tables import Table, build_table
 from pounding_cli.variables import VARIABLES
 

@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from pounding_cli.questions.question import Answer, Question, StudyQuestion
+from pounding_cli.questions.question import Answer, LateFunction, Question, StudyQuestion
 
 if TYPE_CHECKING:
     from pounding_cli.batch.solve import Solver
-    from pounding_cli.report.document import Picture, Section
-    from pounding_cli.report.sweep import SweepChoice
-    from pounding_cli.results.results import ResultTables
     from pounding_cli.study import Plan
-    from pounding_cli.tables import Table
 
 
 class Run(StudyQuestion):
@@ -34,43 +29,13 @@ class Run(StudyQuestion):
         return Answer(self.plan, solver.solve_arrays(self.plan), ())
 
 
-def _sentences(results: ResultTables) -> Sequence[str]:
-    from pounding_cli.questions.run.words import list_sentences
-
-    return list_sentences(results)
-
-
-def _shown_tables(results: ResultTables) -> Sequence[Table]:
-    from pounding_cli.questions.run.words import list_tables
-
-    return list_tables(results)
-
-
-def _notes(results: ResultTables) -> Sequence[str]:
-    from pounding_cli.questions.run.words import list_notes
-
-    return list_notes(results)
-
-
-def _figures(results: ResultTables) -> Sequence[Picture]:
-    from pounding_cli.questions.run.figures import list_figures
-
-    return list_figures(results)
-
-
-def _further_sections(results: ResultTables, choice: SweepChoice | None = None) -> Sequence[Section]:
-    from pounding_cli.questions.run.figures import further_sections
-
-    return further_sections(results, choice)
-
-
 QUESTION = Question(
     name="run",
     ask=Run,
-    sentences=_sentences,
-    shown_tables=_shown_tables,
-    notes=_notes,
-    figures=_figures,
-    further_sections=_further_sections,
+    sentences=LateFunction("pounding_cli.questions.run.words:list_sentences"),
+    shown_tables=LateFunction("pounding_cli.questions.run.words:list_tables"),
+    notes=LateFunction("pounding_cli.questions.run.words:list_notes"),
+    figures=LateFunction("pounding_cli.questions.run.figures:list_figures"),
+    further_sections=LateFunction("pounding_cli.questions.run.figures:further_sections"),
 )
 """`pound run`."""

@@ -20,10 +20,10 @@ def list_figures(results: ResultTables) -> list[Picture]:
     return list_profiles(find_nominal(results))[:1]
 
 
-def further_sections(results: ResultTables, choice: SweepChoice | None) -> list[Section]:
+def further_sections(results: ResultTables, choice: SweepChoice | None = None) -> list[Section]:
     """Return the sections of the page behind the answer.
 
-    choice : which figures are drawn over a sweep
+    choice : which figures are drawn over a sweep; the usual ones unless given
     """
     shown = find_nominal(results)
     swept = list_sweep_pictures(results, shown, choice)

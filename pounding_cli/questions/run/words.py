@@ -13,12 +13,7 @@ from pounding_cli.model.scene import Analysis
 from pounding_cli.numbers import Unit, join_limited, pluralize
 from pounding_cli.questions.neighbours import note_median_buildings
 from pounding_cli.questions.run.ranking import describe_ranking
-from pounding_cli.questions.run.tables import (
-    BEYOND_MARK,
-    PEAKS,
-    build_means_table,
-    build_peaks_table,
-)
+from pounding_cli.questions.run.tables import BEYOND_MARK, PEAKS, build_means_table, build_peaks_table
 from pounding_cli.questions.run.twist import (
     CONTACT_MARK,
     does_twist,
@@ -91,12 +86,12 @@ class Change:
 
     @property
     def is_rise(self) -> bool:
-        """Whether pounding raises the response of some storey."""
+        """True where pounding raises the response of some storey."""
         return self.highest > 1 + MIN_CHANGE
 
     @property
     def is_fall(self) -> bool:
-        """Whether pounding lowers the response of some storey and raises that of none."""
+        """True where pounding lowers the response of some storey and raises that of none."""
         return not self.is_rise and self.lowest < 1 - MIN_CHANGE
 
     @property

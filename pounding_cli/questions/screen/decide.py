@@ -1,4 +1,4 @@
-"""What decides about a pair of neighbours: which of the quantities that nobody knows moves the closing most.
+"""Find what decides about a pair of neighbours: the unknown quantity that moves the closing most.
 
 The buildings that the neighbours may be are a Latin hypercube. Of every uncertain quantity they fall into thirds: those
 with a low, a middling and a high value. Where the logarithm of the closing differs from third to third more than it

@@ -9,7 +9,7 @@ import numpy as np
 
 from pounding_cli.questions.screen.tables import SCREEN_TABLE
 from pounding_cli.report.document import Picture
-from pounding_cli.report.style import finish, styled
+from pounding_cli.report.style import finish, with_style
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -31,7 +31,7 @@ _WALL = "0.80"
 _EDGE = "0.35"
 
 
-class _Placed(NamedTuple):
+class _PlacedPair(NamedTuple):
     """A pair in the drawing.
 
     row : of the table
@@ -56,7 +56,7 @@ def list_figures(results: ResultTables) -> list[Picture]:
     return [Picture("street", "The street", text, draw, has_scale=True)]
 
 
-@styled
+@with_style
 def draw_street(frame: pd.DataFrame, title: str) -> Figure:
     """Draw the pairs in the order of their rows, a few in each line; numbers are ranks."""
     import matplotlib.pyplot as plt
@@ -82,9 +82,9 @@ def draw_street(frame: pd.DataFrame, title: str) -> Figure:
     return figure
 
 
-def _break_lines(rows: list[dict[Any, Any]]) -> list[list[_Placed]]:
+def _break_lines(rows: list[dict[Any, Any]]) -> list[list[_PlacedPair]]:
     """Return the pairs line by line, each with its place; a building that two of them share stands once."""
-    lines: list[list[_Placed]] = []
+    lines: list[list[_PlacedPair]] = []
     x = 0.0
     before = ""
     for row in rows:
@@ -94,13 +94,13 @@ def _break_lines(rows: list[dict[Any, Any]]) -> list[list[_Placed]]:
             lines.append([])
             is_shared = False
             begin = 0.0
-        lines[-1].append(_Placed(row, begin, is_shared))
+        lines[-1].append(_PlacedPair(row, begin, is_shared))
         x = begin + 2 * _WIDTH + _GAP
         before = str(row["right_name"])
     return lines
 
 
-def _draw_line(ax: Axes, line: list[_Placed], tallest: float, colours: Colormap, norm: LogNorm) -> None:
+def _draw_line(ax: Axes, line: list[_PlacedPair], tallest: float, colours: Colormap, norm: LogNorm) -> None:
     """Draw some pairs side by side."""
     for row, begin, is_shared in line:
         if not is_shared:

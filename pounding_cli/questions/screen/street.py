@@ -87,7 +87,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class Settings:
-    """What holds for all rows.
+    """The settings that hold for all rows.
 
     motions : of the catalogue, or files
     duration : how much of each motion is used, as a study writes it
@@ -132,12 +132,12 @@ class Pair:
 
     @cached_property
     def buildings_key(self) -> str:
-        """What tells pairs of different buildings apart."""
+        """The key that tells pairs of different buildings apart."""
         return dump_yaml(self.buildings)
 
     @cached_property
     def hazard_key(self) -> str:
-        """What tells different hazard curves apart."""
+        """The key that tells different hazard curves apart."""
         return dump_yaml(self.hazard)
 
 

@@ -1,4 +1,4 @@
-"""What `pound screen` says: its answer in sentences, its table, and what a reader should know of the numbers."""
+"""The texts of `pound screen`: its answer in sentences, its table, and notes on the numbers."""
 
 from __future__ import annotations
 

@@ -2,66 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
-
-from pounding_cli.questions.question import Question, StudyQuestion
+from pounding_cli.questions.question import LateFunction, Question
 from pounding_cli.questions.sensitivity.spec import SensitivitySpec
 from pounding_cli.questions.sensitivity.tables import TABLES
 from pounding_cli.study.schema import Section
 
-if TYPE_CHECKING:
-    from pounding_cli.report.document import Picture
-    from pounding_cli.results.results import ResultTables
-    from pounding_cli.study import Study
-    from pounding_cli.tables import Table
-
-
-def _ask(study: Study) -> StudyQuestion:
-    from pounding_cli.questions.sensitivity.indices import Sensitivity
-
-    return Sensitivity(study)
-
-
-def _sentences(results: ResultTables) -> Sequence[str]:
-    from pounding_cli.questions.sensitivity.words import list_sentences
-
-    return list_sentences(results)
-
-
-def _shown_tables(results: ResultTables) -> Sequence[Table]:
-    from pounding_cli.questions.sensitivity.words import list_tables
-
-    return list_tables(results)
-
-
-def _notes(results: ResultTables) -> Sequence[str]:
-    from pounding_cli.questions.sensitivity.words import list_notes
-
-    return list_notes(results)
-
-
-def _figures(results: ResultTables) -> Sequence[Picture]:
-    from pounding_cli.questions.sensitivity.figures import list_figures
-
-    return list_figures(results)
-
-
-def _cite(resolved: Mapping[str, Any]) -> Iterable[tuple[str, str]]:
-    from pounding_cli.questions.sensitivity.words import list_references
-
-    return list_references(resolved)
-
-
 QUESTION = Question(
     name="sensitivity",
-    ask=_ask,
+    ask=LateFunction("pounding_cli.questions.sensitivity.indices:Sensitivity"),
     section=Section("sensitivity", SensitivitySpec, "settings of `pound sensitivity`"),
     tables=TABLES,
-    sentences=_sentences,
-    shown_tables=_shown_tables,
-    notes=_notes,
-    figures=_figures,
-    cite=_cite,
+    sentences=LateFunction("pounding_cli.questions.sensitivity.words:list_sentences"),
+    shown_tables=LateFunction("pounding_cli.questions.sensitivity.words:list_tables"),
+    notes=LateFunction("pounding_cli.questions.sensitivity.words:list_notes"),
+    figures=LateFunction("pounding_cli.questions.sensitivity.figures:list_figures"),
+    cite=LateFunction("pounding_cli.questions.sensitivity.words:list_references"),
     is_sampled=True,
 )

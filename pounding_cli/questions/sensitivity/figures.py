@@ -13,7 +13,7 @@ from pounding_cli.numbers import Unit
 from pounding_cli.questions.expressions import find_output_unit
 from pounding_cli.questions.sensitivity.words import describe_influence, describe_place, list_shown
 from pounding_cli.report.document import Picture
-from pounding_cli.report.style import finish, new_figure, shared_legend, styled
+from pounding_cli.report.style import finish, new_figure, shared_legend, with_style
 from pounding_cli.study.display import key_words
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ def list_figures(results: ResultTables) -> list[Picture]:
     return [Picture("sensitivity", "The most influential keys", " ".join(sentences), draw)]
 
 
-@styled
+@with_style
 def draw_indices(results: ResultTables, outputs: Sequence[pd.DataFrame]) -> Figure:
     """Return a line of panels for every output: the output at both ends of each key, and the indices of the key.
 

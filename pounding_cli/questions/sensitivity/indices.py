@@ -43,7 +43,8 @@ from pounding_cli.questions.sensitivity.tables import (
 from pounding_cli.results.arrays import ResultArrays
 from pounding_cli.study import Plan, Study, make_plan
 from pounding_cli.study.expression import Expression, Statement, parse_expression, parse_statement
-from pounding_cli.study.vary import MOTION, MotionInput, choose_option, read_uncertain
+from pounding_cli.study.varied_inputs import MOTION, MotionInput, choose_option
+from pounding_cli.study.vary import read_uncertain
 from pounding_cli.tables import Column, Table, build_table
 
 if TYPE_CHECKING:
@@ -125,7 +126,7 @@ class Sensitivity(StudyQuestion):
         self.motion_sets: np.ndarray | None = None
         if len(inputs) < 2 and not problems.found:
             hint = "write two keys or more, e.g. `uncertain: {impact.restitution: {uniform: {from: 0.4, to: 0.65}}}`"
-            problems.at(root, ("uncertain",), "fewer than two keys are uncertain", hint, key=True)
+            problems.add_at(root, ("uncertain",), "fewer than two keys are uncertain", hint, key=True)
         for each in inputs:
             if isinstance(each, MotionInput):
                 if each.motion_count < 2:

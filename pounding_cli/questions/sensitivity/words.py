@@ -13,7 +13,8 @@ from pounding_cli.questions.sensitivity.tables import INDICES, OUTPUTS, PERCENTI
 from pounding_cli.report.background import STIFFNESS
 from pounding_cli.report.evidence import Evidence, find_nominal
 from pounding_cli.study.display import key_words
-from pounding_cli.study.vary import ANY, BOOTSTRAP, MOTION
+from pounding_cli.study.varied_inputs import MOTION
+from pounding_cli.study.vary import ANY, BOOTSTRAP
 from pounding_cli.tables import Column, Row, Table
 
 if TYPE_CHECKING:
