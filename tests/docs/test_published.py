@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from pages import hook
+from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import pounding_cli
@@ -18,6 +19,8 @@ from pounding_cli.errors import InputError
 
 PUBLISHED = hook("published")
 IMPACT_OSCILLATOR = sys.modules["impact_oscillator"]
+ONE_SIDED_OSCILLATOR = sys.modules["one_sided_oscillator"]
+ROD_AND_ROD = sys.modules["rod_and_rod"]
 IMPACT_RESONANCE = sys.modules["impact_resonance"]
 IMPACT_DOUBLING = sys.modules["impact_doubling"]
 HERTZ_IMPACT = sys.modules["hertz_impact"]
@@ -67,6 +70,40 @@ def test_a_study_says_where_its_motions_come_from(monkeypatch, tmp_path):
 )
 def test_speeds_on_a_rigid_wall(oscillator, speed):
     assert IMPACT_OSCILLATOR.find_rigid_speed(*oscillator) / (2 * pi) == pytest.approx(speed, abs=6e-7)
+
+
+def test_frequency_beside_a_soft_stop():
+    """Against the same oscillator step by step, from its rest on the free side to its rest on the stop."""
+    energy, mass, stiffness, stop, gap = 0.0065, 1.0, 10.0, 50.0, 0.01
+
+    def move(_time, state):
+        return state[1], -(stiffness * state[0] + stop * max(state[0] - gap, 0.0)) / mass
+
+    def rest(_time, state):
+        return state[1]
+
+    rest.terminal, rest.direction = True, -1
+    start = (-((2 * energy / stiffness) ** 0.5), 1e-12)
+    run = solve_ivp(move, (0, 10), start, events=rest, rtol=1e-10, atol=1e-14, max_step=1e-3)
+    found = ONE_SIDED_OSCILLATOR.find_frequency(energy, mass, stiffness, stop, gap)
+    assert found == pytest.approx(0.5 / run.t_events[0][0], rel=1e-7)
+
+
+def test_end_of_a_rod_that_strikes_another():
+    """Against a string of springs and masses in steps of the wave's time from one to the next, which has no error."""
+    pieces = 200
+    count = 2 * pieces + 1
+    step = ROD_AND_ROD.WAVE / pieces
+    here = np.zeros(count + 1)  # the free rod, then the fixed one; one place of both where they touch
+    before = here.copy()
+    before[: pieces + 1] = step  # the free rod moves towards the other at 1 m/s
+    before[pieces] = step / 2  # of which the place in common has half
+    for number in range(int(3.9 * pieces)):
+        assert -here[pieces] == pytest.approx(-ROD_AND_ROD.find_displacement(number * step), abs=1.01 * step)
+        left = np.concatenate([[here[1]], here[:-1]])  # the free end mirrors its neighbour
+        right = np.concatenate([here[1:], [0.0]])
+        here, before = left + right - before, here
+        here[-1] = 0.0
 
 
 def test_the_travel_of_the_block_is_that_of_its_source():

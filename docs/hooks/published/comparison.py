@@ -48,7 +48,7 @@ class Entry:
     """How the rows of a study are made.
 
     rows : the rows of the results of the study
-    command : what answers it: run, connector or wall
+    command : what answers it: run, gap, connector or wall
     folder : where it stands
     motions : files that it needs beside it: of installed packages, each below the folder of its package, or of
         `repository`
