@@ -28,6 +28,9 @@ from comparison import DOCS, GALLERY, Entry, Row
 PAGE = DOCS / "published.md"
 FIGURES = DOCS / "figures"
 
+OVERVIEW_BEGIN = "<!-- overview: begin -->\n\n"
+OVERVIEW_END = "\n\n<!-- overview: end -->"
+
 
 def _load(name: str) -> Any:
     """Return a module of this folder, none of which is a package."""
@@ -102,6 +105,41 @@ def put_table(markdown: str, name: str, table: str) -> str:
     return before + table + after
 
 
+def split_rows(table: str) -> list[list[str]]:
+    """Return the cells of the rows of a table as it stands on the page, without its head."""
+    return [line.strip("| ").split(" | ") for line in table.splitlines()[2:]]
+
+
+def summarise_table(table: str) -> str:
+    """Return the largest difference of the rows with numbers of a table and how many statements hold."""
+    differences = [row[3] for row in split_rows(table)]
+    numbers = [each for each in differences if re.fullmatch(r"[-+][\d.]+ (%|µs)", each)]
+    words = [each for each in differences if each not in numbers]
+    parts = [max(numbers, key=lambda each: abs(float(each.split()[0]))).lstrip("+-")] if numbers else []
+    if words:
+        parts.append(f"{words.count('none')} of {len(words)} statements hold")
+    return ", ".join(parts)
+
+
+def format_overview(markdown: str) -> str:
+    """Return the table of all studies of a page: where each stands, its rows, and how well these agree."""
+    lines = ["| study | name | rows | difference |", "|---|---|---|---|"]
+    for name in ENTRIES:
+        before, table, _ = split_page(markdown, name)
+        heading = re.findall("^##+ (.+)$", before, re.MULTILINE)[-1]
+        anchor = re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-")
+        count = len(split_rows(table))
+        lines.append(f"| [{heading}](#{anchor}) | `{name}` | {count} | {summarise_table(table)} |")
+    return "\n".join(lines)
+
+
+def put_overview(markdown: str) -> str:
+    """Return a page with the overview of its tables."""
+    before, rest = markdown.split(OVERVIEW_BEGIN)
+    _, after = rest.split(OVERVIEW_END)
+    return before + OVERVIEW_BEGIN + format_overview(markdown) + OVERVIEW_END + after
+
+
 def on_page_markdown(markdown: str, page: Any, **_: object) -> str:
     """Called by mkdocs: makes the tables of the page anew, but for studies whose motion is not installed."""
     if page.file.src_uri != PAGE.name:
@@ -109,7 +147,7 @@ def on_page_markdown(markdown: str, page: Any, **_: object) -> str:
     for name, entry in ENTRIES.items():
         if not entry.find_missing_sources():
             markdown = put_table(markdown, name, format_rows(find_rows(name)))
-    return markdown
+    return put_overview(markdown)
 
 
 def main() -> None:
@@ -132,7 +170,7 @@ def main() -> None:
         print(f"## {name}\n\n{table}\n")
         if options.renew:
             text = PAGE.read_text(encoding="utf-8")
-            PAGE.write_text(put_table(text, name, table), encoding="utf-8")
+            PAGE.write_text(put_overview(put_table(text, name, table)), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -41,6 +41,25 @@ def test_every_study_has_a_table_on_the_page():
         assert table.startswith("| quantity | published | ours | difference | why |\n|---|"), name
 
 
+def test_the_overview_is_that_of_the_tables():
+    """Fails if a row, a heading or the largest difference of a study changes and the overview does not."""
+    text = PUBLISHED.PAGE.read_text(encoding="utf-8")
+    assert PUBLISHED.put_overview(text) == text
+
+
+@pytest.mark.parametrize(
+    ("differences", "said"),
+    [
+        (["+0.10 %", "-0.39 %"], "0.39 %"),
+        (["+0.15 µs", "none", "3 frequencies"], "0.15 µs, 1 of 2 statements hold"),
+        (["4 blows"], "0 of 1 statements hold"),
+    ],
+)
+def test_the_overview_tells_the_largest_difference(differences, said):
+    table = "\n".join(["| head |", "|---|", *(f"| x | 1 | 1 | {each} | why |" for each in differences)])
+    assert PUBLISHED.summarise_table(table) == said
+
+
 @pytest.mark.parametrize("name", PUBLISHED.ENTRIES)
 def test_its_table_is_that_of_the_page(name):
     """Fails if a number of the page is another one than the study gives."""
