@@ -110,6 +110,12 @@ def split_rows(table: str) -> list[list[str]]:
     return [line.strip("| ").split(" | ") for line in table.splitlines()[2:]]
 
 
+def find_percentages(table: str) -> list[float]:
+    """Return the differences in per cent of the rows of a table that have one, without signs."""
+    found = (re.fullmatch(r"[-+]([\d.]+) %", row[3]) for row in split_rows(table))
+    return [float(match[1]) for match in found if match]
+
+
 def summarise_table(table: str) -> str:
     """Return the largest difference of the rows with numbers of a table and how many statements hold."""
     differences = [row[3] for row in split_rows(table)]
@@ -119,6 +125,17 @@ def summarise_table(table: str) -> str:
     if words:
         parts.append(f"{words.count('none')} of {len(words)} statements hold")
     return ", ".join(parts)
+
+
+def count_matches(markdown: str) -> str:
+    """Return how many numbers of a page there are and how many agree, in a sentence."""
+    tables = [split_page(markdown, name)[1] for name in ENTRIES]
+    differences = [each for table in tables for each in find_percentages(table)]
+    within = {limit: sum(each <= limit for each in differences) for limit in (0.1, 1.0, 5.0)}
+    return (
+        f"Of {len(differences)} numbers of {len(tables)} studies {within[0.1]} agree within 0.1 %, {within[1.0]} within "
+        f"1 % and {within[5.0]} within 5 %."
+    )
 
 
 def format_overview(markdown: str) -> str:
@@ -137,7 +154,8 @@ def put_overview(markdown: str) -> str:
     """Return a page with the overview of its tables."""
     before, rest = markdown.split(OVERVIEW_BEGIN)
     _, after = rest.split(OVERVIEW_END)
-    return before + OVERVIEW_BEGIN + format_overview(markdown) + OVERVIEW_END + after
+    overview = f"{count_matches(markdown)}\n\n{format_overview(markdown)}"
+    return before + OVERVIEW_BEGIN + overview + OVERVIEW_END + after
 
 
 def on_page_markdown(markdown: str, page: Any, **_: object) -> str:
