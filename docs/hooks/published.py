@@ -129,13 +129,12 @@ def summarise_table(table: str) -> str:
 
 def count_matches(markdown: str) -> str:
     """Return how many numbers of a page there are and how many agree, in a sentence."""
-    tables = [split_page(markdown, name)[1] for name in ENTRIES]
-    differences = [each for table in tables for each in find_percentages(table)]
-    within = {limit: sum(each <= limit for each in differences) for limit in (0.1, 1.0, 5.0)}
-    return (
-        f"Of {len(differences)} numbers of {len(tables)} studies {within[0.1]} agree within 0.1 %, {within[1.0]} within "
-        f"1 % and {within[5.0]} within 5 %."
-    )
+    tables = [find_percentages(split_page(markdown, name)[1]) for name in ENTRIES]
+    differences = [each for table in tables for each in table]
+    close, near, far = (sum(each <= limit for each in differences) for limit in (0.1, 1.0, 5.0))
+    studies = sum(1 for table in tables if table)
+    first = f"Of {len(differences)} numbers of {studies} studies {close} agree within 0.1 %"
+    return f"{first}, {near} within 1 % and {far} within 5 %."
 
 
 def format_overview(markdown: str) -> str:
