@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 DIGEST_SIZE = 32
 """Bytes of a SHA-256 digest."""
 
-RowFilter = Callable[[Point, str, Analysis, str], bool]
+PlanFilter = Callable[[Point, str, Analysis, str], bool]
 """row_filter(point, case, analysis, record) -> whether the scenes of a row are wanted."""
 
 
@@ -64,7 +64,7 @@ class Links:
     right_arm: np.ndarray
 
 
-class Row(NamedTuple):
+class PlanRow(NamedTuple):
     """A row of the tables: its index on every axis, its names, the number of its scene."""
 
     point: tuple[int, ...]
@@ -108,7 +108,7 @@ class Plan:
     time_step: float | None = None
     estimate: str = "none"
     harder: bool = False
-    kept: tuple[Row, ...] = ()
+    kept: tuple[PlanRow, ...] = ()
     every: float = 0.002
 
     def __len__(self) -> int:
@@ -141,11 +141,11 @@ class Plan:
         """A scene by number."""
         return next(self.scenes(np.array([number])))
 
-    def row(self, number: int) -> Row:
+    def row(self, number: int) -> PlanRow:
         """A row by its flat number."""
         *point, case, analysis, record = map(int, np.unravel_index(number, self.shape))
         scene = int(self.numbers[(*point, case, analysis, record, 0)])
-        return Row(tuple(point), self.cases[case], self.analyses[analysis], self.records[record], scene)
+        return PlanRow(tuple(point), self.cases[case], self.analyses[analysis], self.records[record], scene)
 
     def display_values(self, point: tuple[int, ...]) -> dict[str, str]:
         """Return the swept values at a point, by key, in the units of the study."""
@@ -156,7 +156,7 @@ class Plan:
         }
 
 
-def make_plan(study: Study, resolved: StudyParts | None = None, row_filter: RowFilter | None = None) -> Plan:
+def make_plan(study: Study, resolved: StudyParts | None = None, row_filter: PlanFilter | None = None) -> Plan:
     """Return the plan of a study.
 
     Parameters
@@ -186,7 +186,7 @@ class _Planner:
         self.suffixes = sweep_map(self.list_suffixes, resolved.suite, resolved.tail)
         self.content = bytearray()  # digests of scenes as they are found, one behind the other
 
-    def build_plan(self, row_filter: RowFilter | None) -> Plan:
+    def build_plan(self, row_filter: PlanFilter | None) -> Plan:
         """Return the plan."""
         study = self.study
         spec = study.spec
@@ -282,7 +282,7 @@ def _begin_alone(building: Building) -> Digests:
     return Digests(drop_plans((building,), ()), ())
 
 
-ABSENT: dict[str, Any] = {
+ABSENT_LINK: dict[str, Any] = {
     "order": np.int16(-1), "kind": np.array("", object), "gap": np.nan, "left_at": np.nan, "right_at": np.nan,
     "inclination": np.nan, "facing": np.nan, "street": np.nan, "left_arm": np.nan, "right_arm": np.nan,
 }  # fmt: skip
@@ -299,14 +299,14 @@ def _build_table(group: Swept[Group], cases: list[Swept[tuple[Link, ...]]], size
     different = [rows for by_case in rows_by_case for _, rows in by_case.iter_values()]
     columns = tuple(sorted({place for rows in different for place, _ in rows}))
     number = {place: column for column, place in enumerate(columns)}
-    table = {name: np.full((*sizes, len(cases), len(columns)), value) for name, value in ABSENT.items()}
+    table = {name: np.full((*sizes, len(cases), len(columns)), value) for name, value in ABSENT_LINK.items()}
     for case, swept in enumerate(rows_by_case):
         flat = list(swept.values.flat)
         points = [point for point, rows in enumerate(flat) for _ in rows]
         where = points, [number[place] for rows in flat for place, _ in rows]
         shape = [size if axis in swept.axes else 1 for axis, size in enumerate(sizes)]
         for name, array in table.items():
-            values = np.full((len(flat), len(columns)), ABSENT[name])
+            values = np.full((len(flat), len(columns)), ABSENT_LINK[name])
             values[where] = [facts[name] for rows in flat for _, facts in rows]
             array[..., case, :] = values.reshape(*shape, -1)
     return Links(columns, **table)

@@ -20,9 +20,9 @@ from pounding_cli.study.building_spec import BuildingSpec, StiffnessAtSpec
 from pounding_cli.study.buildings import build_building
 from pounding_cli.study.doubts import (
     AS_MEANT,
-    Comparison,
     Doubt,
     Doubts,
+    RelativeRange,
     find_text,
     format_rounded,
     format_value,
@@ -37,7 +37,7 @@ from pounding_cli.study.like import resolve_all_likes, resolve_like
 from pounding_cli.study.link_warnings import warn_case
 from pounding_cli.study.motions import MotionUse, Suite
 from pounding_cli.study.plan_warnings import warn_missing_accidental, warn_plan, warn_shift_without_effect
-from pounding_cli.study.quantity import FORCES, NUMBER, PLAUSIBLE_RANGES, Quantity
+from pounding_cli.study.quantity import FORCE_UNITS, NUMBER_PATTERN, PLAUSIBLE_RANGES, Quantity
 from pounding_cli.study.records_spec import RecordsSpec
 from pounding_cli.study.resolve import StudyParts, changes_part, resolve, tree_at
 from pounding_cli.study.schema import StudySpec
@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     from pounding_cli.study.study import Study
     from pounding_cli.study.varied_inputs import UncertainInput
 
-MAX_CORNERS = 256
+MAX_CHECKED_CORNERS = 256
 """Combinations of the ends of several axes at which values are compared with each other."""
 
 MAX_OPTIONS = 50
@@ -150,7 +150,7 @@ def _points_along_axes(axes: Sequence[Axis]) -> Iterator[Point]:
 
 
 def _corners(axes: Sequence[Axis]) -> Iterator[Point]:
-    """Yield the points where every axis is at an end of its values, at most MAX_CORNERS.
+    """Yield the points where every axis is at an end of its values, at most MAX_CHECKED_CORNERS.
 
     What is compared with each other grows or falls with each value, so that the worst combinations stand there.
     """
@@ -158,7 +158,7 @@ def _corners(axes: Sequence[Axis]) -> Iterator[Point]:
     for axis in axes:
         sizes = [next((value for value in values if not isinstance(value, str)), 0.0) for values in axis.values]
         order = sorted(range(len(sizes)), key=sizes.__getitem__)
-        has_room = len(axis) > 1 and 2 ** len(ends) < MAX_CORNERS
+        has_room = len(axis) > 1 and 2 ** len(ends) < MAX_CHECKED_CORNERS
         ends.append((order[0], order[-1]) if has_room else (0,))
     if len(axes) > 1:
         yield from product(*ends)
@@ -289,12 +289,12 @@ def _warn_yield_shear(building: Building, root: Any, at: KeyPath, doubts: Doubts
     lines : number of these
     """
     fits = PLAUSIBLE_RANGES["base yield shear over weight"]
-    compared = Comparison(fits, 1 / building.weight, "yield shear", "of the building's weight")
+    compared = RelativeRange(fits, 1 / building.weight, "yield shear", "of the building's weight")
     shear = float(building.yield_shear[0])
     if fits.holds(shear * compared.share):
         return
     share = compared.ratio_in_words(shear)
-    message = f"the lowest storey yields at {format_value(shear, FORCES)}, {share}: {fits.reason}"
+    message = f"the lowest storey yields at {format_value(shear, FORCE_UNITS)}, {share}: {fits.reason}"
     text = find_text(root, at)
     is_bare = doubts.needs_units and lacks_its_unit(text, FORCE_OF_STOREY)
     hint = "check the yield shears of its lines"
@@ -344,7 +344,7 @@ def _warn_base(building: Building, root: Any, path: KeyPath, doubts: Doubts) -> 
     if not fits.holds(period):
         message = f"{building.name} has a period of {format_rounded(period)} s on its base: {fits.reason}"
         text = find_text(root, at)
-        is_bare = doubts.needs_units and base.isolation is None and bool(re.fullmatch(rf"\s*{NUMBER}\s*", text))
+        is_bare = doubts.needs_units and base.isolation is None and bool(re.fullmatch(rf"\s*{NUMBER_PATTERN}\s*", text))
         hint = f"did you mean {text} kN/m? otherwise write `{text} N/m`" if is_bare else "check its stiffness"
         doubts.add(root, at, at, message, hint, is_bare, excess=fits.excess(period))
 

@@ -12,7 +12,7 @@ import yaml
 import pounding_cli as pound
 from pounding_cli.study import resolve as resolving
 from pounding_cli.study.issues import Issue, Issues, IssuesFound
-from pounding_cli.study.swept import Swept, build_array, build_constant, sweep_map
+from pounding_cli.study.swept import Swept, build_constant, build_object_array, sweep_map
 
 STUDY = yaml.safe_load("""
 title: Two frames
@@ -40,7 +40,7 @@ def refusals(changes: str) -> list[str]:
 
 def swept(values, *axes: int) -> Swept:
     array = np.asarray(values, object)
-    return Swept(axes, build_array(list(array.flat), array.shape))
+    return Swept(axes, build_object_array(list(array.flat), array.shape))
 
 
 # Values on axes
@@ -63,7 +63,7 @@ def test_points_whose_parts_are_the_same_objects_share_one_result():
 
 
 def swept_objects(values) -> Swept:
-    return Swept((0,), build_array(values, (len(values),)))
+    return Swept((0,), build_object_array(values, (len(values),)))
 
 
 def test_what_has_no_part_is_none_and_not_built():

@@ -110,7 +110,7 @@ class Settings:
 
 
 @dataclass(frozen=True, eq=False)
-class Pair:
+class NeighbourPair:
     """A row of the table.
 
     line : where it stands
@@ -153,10 +153,10 @@ class Street:
 
     path: Path
     text: str
-    pairs: Sequence[Pair]
+    pairs: Sequence[NeighbourPair]
     settings: Settings = field(default_factory=Settings)
 
-    def build_study(self, pair: Pair) -> Study:
+    def build_study(self, pair: NeighbourPair) -> Study:
         """Return the study of a pair, whose text is followed by the table as comments.
 
         Raises InputError: with rows and columns of the table, or the options of the command.
@@ -169,11 +169,11 @@ class Street:
         study = build_study(self.path, text, tree, study_model())
         return replace(study, title=f"{self.path.name}: {pluralize(len(self.pairs), 'pair')} of neighbours")
 
-    def format_study(self, pair: Pair) -> str:
+    def format_study(self, pair: NeighbourPair) -> str:
         """Return the text of the study of a pair, which `pound gap` runs."""
         return dump_yaml(self._build_tree(pair), flow=False) + "\n"
 
-    def _build_tree(self, pair: Pair) -> Map:
+    def _build_tree(self, pair: NeighbourPair) -> Map:
         """Return the study of a pair, with the places of its values in the table."""
         settings = self.settings
         row: Mark = (pair.line, 1)
@@ -295,7 +295,7 @@ def _read_cell(text: str, unit: str, mark: Mark) -> Cell:
     return Cell(f"{text} {unit}" if unit and is_number else text, mark)
 
 
-def _refuse_equal_names(pairs: Sequence[Pair], problems: Problems) -> None:
+def _refuse_equal_names(pairs: Sequence[NeighbourPair], problems: Problems) -> None:
     """Note pairs that have one name."""
     lines: dict[str, int] = {}
     for pair in pairs:
@@ -319,7 +319,7 @@ class _RowReader:
         self.problems = problems
         self._checked: set[str] = set()  # buildings that are sound
 
-    def read(self, cells: Mapping[str, Cell], line: int) -> Pair | None:
+    def read(self, cells: Mapping[str, Cell], line: int) -> NeighbourPair | None:
         """Return a pair; None where something is wrong with it.
 
         cells : those that are not empty, by heading
@@ -336,7 +336,7 @@ class _RowReader:
         if "name" in cells:
             name = cells["name"].text
         buildings = Map(sides, (line, 1), marks)
-        return Pair(line, name, buildings, (names[0], names[1]), gap, cells["gap"], hazard, hazard_mark)
+        return NeighbourPair(line, name, buildings, (names[0], names[1]), gap, cells["gap"], hazard, hazard_mark)
 
     def _take(self, cells: Mapping[str, Cell], name: str, line: int, example: str) -> Cell | None:
         """Return a cell; where it is empty, that is noted."""

@@ -26,7 +26,7 @@ from pounding_cli.questions.expressions import (
     parse_all,
     study_at_points,
 )
-from pounding_cli.questions.frames import NUMBER, build_swept_frame, list_swept_columns
+from pounding_cli.questions.frames import FOUND, PURE_NUMBER, build_swept_frame, list_swept_columns
 from pounding_cli.questions.question import Answer, StudyQuestion
 from pounding_cli.questions.sensitivity.spec import SensitivitySpec
 from pounding_cli.questions.sensitivity.tables import (
@@ -52,9 +52,8 @@ if TYPE_CHECKING:
 
     from pounding_cli.batch.solve import Solver
 
-FOUND = "found"
 CONSTANT = "the output does not change"
-"""Outcomes; another one says how many samples have no value."""
+"""Outcome beside FOUND; another one says how many samples have no value."""
 
 END_SHARE = 0.2
 """Lowest and highest part of a key's distribution that a tornado compares [-]."""
@@ -62,7 +61,7 @@ END_SHARE = 0.2
 BASE_SAMPLES = {"sobol": 256, "morris": 32}
 """Base samples unless the study says how many."""
 
-MAX_POINTS = 200_000
+MAX_SAMPLES = 200_000
 
 _MIN_LEVELS = 4
 
@@ -143,9 +142,9 @@ class Sensitivity(StudyQuestion):
         self.outputs = parse_all(parse_expression, self, "outputs", spec.outputs)
         self.statements = parse_all(parse_statement, self, "probabilities", spec.probabilities)
         points = self.samples * (len(inputs) + (2 if spec.method == "sobol" else 1))
-        if points > MAX_POINTS:
+        if points > MAX_SAMPLES:
             message = f"{self.samples} samples make {points} points"
-            self.add_problem(("samples",), message, f"keep it to {MAX_POINTS}: write fewer")
+            self.add_problem(("samples",), message, f"keep it to {MAX_SAMPLES}: write fewer")
         problems.check()
 
     # The samples
@@ -515,7 +514,7 @@ def _build_sample_table(plan: Plan, question: Sensitivity, series: Sequence[Seri
             blocks[place] = places.loc[[number] * count].reset_index(drop=True).join(keys)
         name = f"output {each.name}"
         blocks[place][name] = each.values
-        unit = Unit(each.unit, 1.0, each.unit) if each.unit else NUMBER
+        unit = Unit(each.unit, 1.0, each.unit) if each.unit else PURE_NUMBER
         columns.append(Column(name, "output", unit))
     frame = pd.concat(blocks.values(), ignore_index=True)
     return build_table(SAMPLES, frame, [*list_swept_columns(plan.axes[:-1]), *SAMPLE_COLUMNS, *columns])
