@@ -22,7 +22,7 @@ from pounding_cli.study.quantity import (
     PLAUSIBLE_RANGES,
     STIFFNESS,
     TIME,
-    WEIGHT_UNITS,
+    WEIGHT_FACTORS,
     ParsedText,
     Quantity,
     WholeNumber,
@@ -63,7 +63,7 @@ class CodeSpec(Model):
             yield (), "'zone' is missing: UBC-1985 needs it", "write Z, e.g. `zone: 1` for zone 4"
 
 
-_SHEAR = replace(PLAUSIBLE_RANGES["base yield shear over weight"], name="base shear", units=WEIGHT_UNITS)
+_SHEAR = replace(PLAUSIBLE_RANGES["base yield shear over weight"], name="base shear", units=WEIGHT_FACTORS)
 _COEFFICIENT = Quantity("base shear over weight V/W", "", "0.10 W", 1e-4, 10.0, usual=_SHEAR)
 
 

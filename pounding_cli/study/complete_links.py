@@ -11,9 +11,9 @@ from pounding_cli.laws.pounding import damping_ratio, restitution_from_damping
 from pounding_cli.study.issues import Issue, IssuesFound, KeyPath
 from pounding_cli.study.link_names import Names
 from pounding_cli.study.link_specs import (
+    LINK_PLACE_KEYS,
     LOSSES,
     NO_LINK,
-    PLACE_KEYS,
     POUNDING,
     SHARED_KEYS,
     LinkSpec,
@@ -145,7 +145,7 @@ def refuse_key(key: str, title: str, keys: Iterable[str]) -> tuple[str, str]:
     title : of the law; keys : that it takes
     """
     owners = [law.name for law in link_laws().values() if key in link_keys(law)]
-    takes = ", ".join(each for each in keys if each not in PLACE_KEYS)
+    takes = ", ".join(each for each in keys if each not in LINK_PLACE_KEYS)
     hint = f"remove it: {title} takes {takes or 'none'}; it belongs to {', '.join(owners)}"
     return f"'{key}' does not apply to link: {title}", hint
 
@@ -173,7 +173,7 @@ def _find_idle_keys(link: CompleteLink) -> list[Issue]:
     keys = _keys_of_law(link.law)
     issues = []
     ordered = [key for key in type(link.spec).model_fields if key in keys]
-    for key in link.spec.model_fields_set - {*PLACE_KEYS} - keys:
+    for key in link.spec.model_fields_set - {*LINK_PLACE_KEYS} - keys:
         issues.append(Issue((*link.path, key), *refuse_key(key, link.title, ordered), at_key=True))
     ratio = link.values.get("damping_ratio")
     if law is not None and ratio is not None and {*LOSSES} & law.parameters().keys() == {"restitution"}:

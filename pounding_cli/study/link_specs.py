@@ -54,7 +54,7 @@ SHARED = ("gap", "stiffness", *LOSSES, "tension_cut")
 MAX_PAIR = 19
 """Largest number of a pair of neighbours."""
 
-PLACE_KEYS = ("link", "floors", "pair", "at", "distance", "places", "shares")
+LINK_PLACE_KEYS = ("link", "floors", "pair", "at", "distance", "places", "shares")
 """Keys that say which link it is and where it stands."""
 
 _DERIVED = {"link": (*SHARED, "impact_stiffness", "dashpot"), "storey": ("stiffness", "yield_shear", "hardening")}

@@ -30,7 +30,7 @@ from pounding_cli.study.group import Group
 from pounding_cli.study.issues import KeyPath
 from pounding_cli.study.link_places import build_ends
 from pounding_cli.study.link_specs import ImpactSpec
-from pounding_cli.study.quantity import FORCE_UNITS, PLAUSIBLE_RANGES, Quantity
+from pounding_cli.study.quantity import FORCE_FACTORS, PLAUSIBLE_RANGES, Quantity
 from pounding_cli.units import GRAVITY
 
 
@@ -190,7 +190,7 @@ def _compare_link(law: LinkLaw, group: Group) -> dict[str, RelativeRange]:
 
 DAMPER_UNITS: dict[str, Mapping[str, float]] = {
     "damping_coefficient": {"kN s/m": 1e3, "MN s/m": 1e6, "N s/m": 1.0},
-    "force_at_1_m_s": FORCE_UNITS,
+    "force_at_1_m_s": FORCE_FACTORS,
 }
 """Units in which people write the parameters of dampers."""
 

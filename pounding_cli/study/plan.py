@@ -156,34 +156,34 @@ class Plan:
         }
 
 
-def make_plan(study: Study, resolved: StudyParts | None = None, row_filter: PlanFilter | None = None) -> Plan:
+def make_plan(study: Study, parts: StudyParts | None = None, row_filter: PlanFilter | None = None) -> Plan:
     """Return the plan of a study.
 
     Parameters
     ----------
-    resolved : in place of the parts of the study, such as other links
+    parts : in place of the parts of the study, such as other links
     row_filter : which rows have scenes; all unless given
 
     Raises
     ------
     InputError : the histories that are kept would take too much memory
     """
-    planner = _Planner(study, study.resolved if resolved is None else resolved)
+    planner = _Planner(study, study.parts if parts is None else parts)
     return planner.build_plan(row_filter)
 
 
 class _Planner:
     """One study being planned; it stays with the plan, to build scenes when they are asked for."""
 
-    def __init__(self, study: Study, resolved: StudyParts) -> None:
+    def __init__(self, study: Study, parts: StudyParts) -> None:
         self.study = study
-        self.resolved = resolved
+        self.parts = parts
         self.cases = tuple(study.spec.cases)
         self.records = tuple(study.motion_uses(study.first_point))
         self.analyses = tuple(map(Analysis, study.spec.analyses))
         self.sizes = tuple(len(axis) for axis in study.axes)
         self.wants_residual_drift = study.wants_residual_drift
-        self.suffixes = sweep_map(self.list_suffixes, resolved.suite, resolved.tail)
+        self.suffixes = sweep_map(self.list_suffixes, parts.suite, parts.tail)
         self.content = bytearray()  # digests of scenes as they are found, one behind the other
 
     def build_plan(self, row_filter: PlanFilter | None) -> Plan:
@@ -196,13 +196,13 @@ class _Planner:
         for place, case in enumerate(self.cases):
             begun = sweep_map(
                 lambda group, links: Digests(drop_plans(group.buildings, links), links),
-                self.resolved.group,
-                self.resolved.links[case],
+                self.parts.group,
+                self.parts.links[case],
             )
             numbers[..., place, :, :, 0] = self.number_scenes(begun)
-            divided_rows[..., place, :, :] = self.find_divided(self.resolved.links[case])
+            divided_rows[..., place, :, :] = self.find_divided(self.parts.links[case])
         for place, name in enumerate(spec.group):
-            alone = self.number_scenes(sweep_map(_begin_alone, self.resolved.types[name]))
+            alone = self.number_scenes(sweep_map(_begin_alone, self.parts.types[name]))
             numbers[..., 1 + place] = alone[..., None, :, :]
         if row_filter is not None:
             points = product(*map(range, self.sizes))
@@ -222,7 +222,7 @@ class _Planner:
             buildings=unique_names(spec.group),
             digests=digests,
             numbers=numbers,
-            links=_build_table(self.resolved.group, [self.resolved.links[case] for case in self.cases], self.sizes),
+            links=_build_table(self.parts.group, [self.parts.links[case] for case in self.cases], self.sizes),
             divided=divided[:-1],
             build=self.build_scene,
             accuracy=spec.accuracy,
@@ -257,7 +257,7 @@ class _Planner:
 
         Shape: points of every axis (1 where this does not depend on it), 1, 1.
         """
-        found = sweep_map(lambda group, of_case: is_divided(group.buildings, of_case), self.resolved.group, links)
+        found = sweep_map(lambda group, of_case: is_divided(group.buildings, of_case), self.parts.group, links)
         sizes = [size if axis in found.axes else 1 for axis, size in enumerate(self.sizes)]
         return found.values.astype(bool).reshape(*sizes, 1, 1)
 
@@ -266,13 +266,13 @@ class _Planner:
         shape = (*self.sizes, len(self.cases), len(self.analyses), len(self.records))
         *point, case, analysis, record = map(int, np.unravel_index(row, shape))
         at = tuple(point)
-        links = self.resolved.links[self.cases[case]].value_at(at)
+        links = self.parts.links[self.cases[case]].value_at(at)
         return Scene(
-            drop_plans(self.resolved.group.value_at(at).buildings, links),
+            drop_plans(self.parts.group.value_at(at).buildings, links),
             links,
             self.study.motion(at, self.records[record]),
             self.analyses[analysis],
-            self.resolved.tail.value_at(at),
+            self.parts.tail.value_at(at),
             self.wants_residual_drift,
         )
 

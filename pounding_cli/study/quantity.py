@@ -13,15 +13,15 @@ from pydantic_core import PydanticCustomError, core_schema
 
 from pounding_cli.units import GRAVITY, KNOWN_UNITS, Dimension, find_unit_factor, parse_unit
 
-LENGTH_UNITS = {"cm": 1e-2, "mm": 1e-3, "m": 1.0}
-MASS_UNITS = {"t": 1e3, "kg": 1.0}
-TIME_UNITS = {"s": 1.0, "ms": 1e-3}
-FORCE_UNITS = {"kN": 1e3, "MN": 1e6, "N": 1.0}
-WEIGHT_UNITS = {"W": 1.0, "%": 0.01}
-STIFFNESS_UNITS = {"kN/mm": 1e6, "kN/m": 1e3, "MN/mm": 1e9, "N/m": 1.0}
-HERTZ_STIFFNESS_UNITS = {"kN/m^1.5": 1e3, "kN/mm^1.5": 1e3 * 1000**1.5, "N/mm^1.5": 1000**1.5, "N/m^1.5": 1.0}
-VELOCITY_UNITS = {"cm/s": 0.01, "m/s": 1.0}
-ACCELERATION_UNITS = {"g": GRAVITY, "m/s2": 1.0}
+LENGTH_FACTORS = {"cm": 1e-2, "mm": 1e-3, "m": 1.0}
+MASS_FACTORS = {"t": 1e3, "kg": 1.0}
+TIME_FACTORS = {"s": 1.0, "ms": 1e-3}
+FORCE_FACTORS = {"kN": 1e3, "MN": 1e6, "N": 1.0}
+WEIGHT_FACTORS = {"W": 1.0, "%": 0.01}
+STIFFNESS_FACTORS = {"kN/mm": 1e6, "kN/m": 1e3, "MN/mm": 1e9, "N/m": 1.0}
+HERTZ_STIFFNESS_FACTORS = {"kN/m^1.5": 1e3, "kN/mm^1.5": 1e3 * 1000**1.5, "N/mm^1.5": 1000**1.5, "N/m^1.5": 1.0}
+VELOCITY_FACTORS = {"cm/s": 0.01, "m/s": 1.0}
+ACCELERATION_FACTORS = {"g": GRAVITY, "m/s2": 1.0}
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,42 +56,42 @@ class PlausibleRange:
 
 _PASSING = "floors pass through each other where a contact is softer than storeys; studies take 5 to 1000 times"
 _RANGES = (
-    (1e-4, 1.0, LENGTH_UNITS, "gap", "gaps are millimetres to decimetres; the largest a code asks for is near 1 m"),
+    (1e-4, 1.0, LENGTH_FACTORS, "gap", "gaps are millimetres to decimetres; the largest a code asks for is near 1 m"),
     (
-        5e3, 1e7, MASS_UNITS, "floor mass",
+        5e3, 1e7, MASS_FACTORS, "floor mass",
         "floors weigh 0.5 to 1.5 t a square metre: 5 t is a shed, 10000 t a whole block",
     ),
-    (2.0, 12.0, LENGTH_UNITS, "storey height", "people stand in a storey; halls and lobbies reach 12 m"),
-    (3.0, 200.0, LENGTH_UNITS, "size of a plan", "floors measure 3 to 200 m from one joint to the next"),
-    (0.02, 10.0, TIME_UNITS, "period", "the tallest buildings there are have about 10 s"),
-    (0.02, 0.5, TIME_UNITS, "period of a storey", "frames and walls have 0.05 to 0.2 s a storey"),
+    (2.0, 12.0, LENGTH_FACTORS, "storey height", "people stand in a storey; halls and lobbies reach 12 m"),
+    (3.0, 200.0, LENGTH_FACTORS, "size of a plan", "floors measure 3 to 200 m from one joint to the next"),
+    (0.02, 10.0, TIME_FACTORS, "period", "the tallest buildings there are have about 10 s"),
+    (0.02, 0.5, TIME_FACTORS, "period of a storey", "frames and walls have 0.05 to 0.2 s a storey"),
     (0.006, 0.3, {"%": 0.01}, "damping ratio", "structures have 1 to 10 % of critical; dampers reach 30 %"),
-    (0.005, 3.0, FORCE_UNITS, "base yield shear over weight", "codes design for 2 to 30 %, 100 % with overstrength"),
+    (0.005, 3.0, FORCE_FACTORS, "base yield shear over weight", "codes design for 2 to 30 %, 100 % with overstrength"),
     (
-        3e-4, 1e4, STIFFNESS_UNITS, "link stiffness",
+        3e-4, 1e4, STIFFNESS_FACTORS, "link stiffness",
         "far below that of a storey a link does nothing, far above it is rigid",
     ),
-    (1.0, 1e4, STIFFNESS_UNITS, "contact stiffness", _PASSING),
-    (0.1, 1e4, HERTZ_STIFFNESS_UNITS, "stiffness of a Hertz contact", _PASSING),
+    (1.0, 1e4, STIFFNESS_FACTORS, "contact stiffness", _PASSING),
+    (0.1, 1e4, HERTZ_STIFFNESS_FACTORS, "stiffness of a Hertz contact", _PASSING),
     (
-        2e-3, 100.0, FORCE_UNITS, "force of a damper",
+        2e-3, 100.0, FORCE_FACTORS, "force of a damper",
         "far below a floor's weight it does nothing, far above it is rigid",
     ),
-    (0.0, 10.0, TIME_UNITS, "period on a moving base", "isolated buildings have 2 to 5 s"),
-    (0.005, 5.0, VELOCITY_UNITS, "peak velocity asked for", "damage begins near 5 cm/s, recorded peaks reach 3 m/s"),
+    (0.0, 10.0, TIME_FACTORS, "period on a moving base", "isolated buildings have 2 to 5 s"),
+    (0.005, 5.0, VELOCITY_FACTORS, "peak velocity asked for", "damage begins near 5 cm/s, recorded peaks reach 3 m/s"),
     (1e8, 3e11, {"GPa": 1e9, "MPa": 1e6}, "modulus", "concrete has 20 to 45 GPa, masonry 1 GPa, steel 210 GPa"),
     (100.0, 2e4, {"kg/m3": 1.0, "t/m3": 1e3}, "density", "concrete has 2500 kg/m3, steel 7850 kg/m3"),
     (0.01, 10.0, {"m/s": 1.0, "cm/s": 0.01}, "speed of a blow", "floors strike with 0.1 to 2 m/s"),
     (
-        0.01 * GRAVITY, 3 * GRAVITY, ACCELERATION_UNITS, "peak asked for",
+        0.01 * GRAVITY, 3 * GRAVITY, ACCELERATION_FACTORS, "peak asked for",
         "damage begins near 0.05 g, recorded peaks reach 3 g",
     ),
     (
-        0.01 * GRAVITY, 3 * GRAVITY, ACCELERATION_UNITS, "acceleration of a code's spectrum",
+        0.01 * GRAVITY, 3 * GRAVITY, ACCELERATION_FACTORS, "acceleration of a code's spectrum",
         "maps of codes have 0.02 to 0.6 g on rock, and ordinates up to 3 g",
     ),
     (
-        0.001 * GRAVITY, 5 * GRAVITY, ACCELERATION_UNITS, "peak of a motion",
+        0.001 * GRAVITY, 5 * GRAVITY, ACCELERATION_FACTORS, "peak of a motion",
         "few motions were ever recorded with more than 2 g; below 0.001 g they are not felt",
     ),
 )  # fmt: skip

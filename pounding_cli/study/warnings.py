@@ -37,7 +37,7 @@ from pounding_cli.study.like import resolve_all_likes, resolve_like
 from pounding_cli.study.link_warnings import warn_case
 from pounding_cli.study.motions import MotionUse, Suite
 from pounding_cli.study.plan_warnings import warn_missing_accidental, warn_plan, warn_shift_without_effect
-from pounding_cli.study.quantity import FORCE_UNITS, NUMBER_PATTERN, PLAUSIBLE_RANGES, Quantity
+from pounding_cli.study.quantity import FORCE_FACTORS, NUMBER_PATTERN, PLAUSIBLE_RANGES, Quantity
 from pounding_cli.study.records_spec import RecordsSpec
 from pounding_cli.study.resolve import StudyParts, changes_part, resolve, tree_at
 from pounding_cli.study.schema import StudySpec
@@ -64,7 +64,7 @@ def find_warnings(study: Study) -> tuple[Problem, ...]:
     searched keys, and the points where every axis is at an end. A key is warned of once, at its worst value.
     """
     warner = _Warner(study.spec, study.file, needs_units=not study.from_data, is_swept_pga=_sweeps_pga(study.tree))
-    of_sweep = _View(study.tree, study.axes, study.resolved)
+    of_sweep = _View(study.tree, study.axes, study.parts)
     for point in _points_along_axes(study.axes):
         warner.look_at(of_sweep, point)
     of_ends = _resolve_uncertain_ends(study)
@@ -73,7 +73,7 @@ def find_warnings(study: Study) -> tuple[Problem, ...]:
             warner.look_at(of_ends, (place,))
     warner.look_at_corners(of_sweep)
     notes = Problems(study.file)
-    for _, suite in study.resolved.suite.iter_values():
+    for _, suite in study.parts.suite.iter_values():
         for issue in suite.doubts:
             notes.add_issue(study.tree, issue)
     notes.extend(warner.doubts.iter_merged())
@@ -97,7 +97,7 @@ class _View:
 
     tree: Map
     axes: Sequence[Axis]
-    resolved: StudyParts
+    parts: StudyParts
 
 
 def _resolve_uncertain_ends(study: Study) -> _View | None:
@@ -120,8 +120,8 @@ def _resolve_uncertain_ends(study: Study) -> _View | None:
     axes = (_build_axis_of_ends(inputs),)
     tree = tree_at(study.tree, study.axes, study.first_point)
     issues = Issues()
-    resolved = resolve(read_specs(tree, issues, type(study.spec)), tree, axes, study.reader, issues)
-    return None if len(issues) else _View(tree, axes, resolved)
+    parts = resolve(read_specs(tree, issues, type(study.spec)), tree, axes, study.reader, issues)
+    return None if len(issues) else _View(tree, axes, parts)
 
 
 def _build_axis_of_ends(inputs: Sequence[UncertainInput]) -> Axis:
@@ -179,23 +179,23 @@ class _Warner:
 
     def look_at(self, view: _View, point: Point) -> None:
         """Note what is doubtful at a point."""
-        resolved = view.resolved
+        parts = view.parts
         tree = _LazyTree(view, point)
-        group = resolved.group.value_at(point)
-        for name, types in resolved.types.items():
-            spec = resolved.building_specs[name].value_at(point)
+        group = parts.group.value_at(point)
+        for name, types in parts.types.items():
+            spec = parts.building_specs[name].value_at(point)
             building = types.value_at(point)
             if self._is_new(name, spec, building):
                 warn_building(spec, building, tree, name, self.doubts)
         if self._is_new("group", group.meetings):
             self._warn_ignored_blows(group, tree)
-        impact = resolved.impact.value_at(point)
-        for name, links in resolved.complete_links.items():
-            laws = resolved.link_laws[name].value_at(point)
+        impact = parts.impact.value_at(point)
+        for name, links in parts.complete_links.items():
+            laws = parts.link_laws[name].value_at(point)
             if self._is_new(name, links.value_at(point), laws, group):
                 warn_case(links.value_at(point), laws, impact, group, tree, self.doubts)
-        records = resolved.records.value_at(point)
-        suite = resolved.suite.value_at(point)
+        records = parts.records.value_at(point)
+        suite = parts.suite.value_at(point)
         if self._is_new("motions", records, suite):
             warn_motions(records, suite, self.is_swept_pga, tree, self.doubts)
         if self._is_new("rules of a code", records, suite, group):
@@ -294,7 +294,7 @@ def _warn_yield_shear(building: Building, root: Any, at: KeyPath, doubts: Doubts
     if fits.holds(shear * compared.share):
         return
     share = compared.ratio_in_words(shear)
-    message = f"the lowest storey yields at {format_value(shear, FORCE_UNITS)}, {share}: {fits.reason}"
+    message = f"the lowest storey yields at {format_value(shear, FORCE_FACTORS)}, {share}: {fits.reason}"
     text = find_text(root, at)
     is_bare = doubts.needs_units and lacks_its_unit(text, FORCE_OF_STOREY)
     hint = "check the yield shears of its lines"

@@ -219,13 +219,13 @@ def test_contact_keys_of_impact_reach_pounding_of_that_law_alone():
     impact: {law: hertz, hertz_stiffness: 5e9 N/m^1.5}
     cases: {a: {gap: 5 cm, links: [{link: pounding, floors: [1]}, {link: connector, floors: rest}]}}
     """)
-    pounding, connector = found.resolved.complete_links["a"].value_at(())
+    pounding, connector = found.parts.complete_links["a"].value_at(())
     assert pounding.law == "hertz"
     assert pounding.values["hertz_stiffness"] == 5e9
     assert pounding.paths["hertz_stiffness"] == ("impact", "hertz_stiffness")
     assert {*connector.values} == {"gap"}
     assert [link.law.name for link in found.links((), "a")] == ["hertz", "connector"]
-    of_another = load("impact: {hertz_stiffness: 5e9 N/m^1.5}").resolved.complete_links["a"].value_at(())
+    of_another = load("impact: {hertz_stiffness: 5e9 N/m^1.5}").parts.complete_links["a"].value_at(())
     assert {*of_another[0].values} == {"gap"}
 
 
@@ -234,9 +234,9 @@ def test_a_damping_ratio_of_a_link_sets_the_restitution_of_impact_aside():
     impact: {restitution: 0.4}
     cases: {a: {link: pounding, gap: 5 cm, damping_ratio: 5 %}, b: {link: pounding, gap: 5 cm}}
     """)
-    (ratio,) = found.resolved.link_laws["a"].value_at(())
-    assert "restitution" not in found.resolved.complete_links["a"].value_at(())[0].values
-    (restitution,) = found.resolved.link_laws["b"].value_at(())
+    (ratio,) = found.parts.link_laws["a"].value_at(())
+    assert "restitution" not in found.parts.complete_links["a"].value_at(())[0].values
+    (restitution,) = found.parts.link_laws["b"].value_at(())
     assert ratio.damping_ratio == 0.05
     assert restitution.damping_ratio == pytest.approx(-np.log(0.4) / np.hypot(np.pi, np.log(0.4)))
 
@@ -270,7 +270,7 @@ def test_motions_of_a_swept_scale_are_kept_as_digests():
     found = load("sweep: {records.scale: [1.0, 1.5, 2.0]}")
     uses = [found.motion_uses((place,))["elcentro"] for place in range(3)]
     assert len({use.digest for use in uses}) == 3
-    for _, suite in found.resolved.suite.iter_values():
+    for _, suite in found.parts.suite.iter_values():
         for use in suite.uses.values():
             assert not any(isinstance(value, np.ndarray | pound.Motion) for value in vars(use).values())
     for place, use in enumerate(uses):

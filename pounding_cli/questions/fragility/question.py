@@ -127,7 +127,7 @@ class Fragility(StudyQuestion):
         if self.measure == Measure(self.swept):
             return levels
         by_suite: dict[Point, list[float]] = {}
-        suite_axes = self.study.resolved.suite.axes
+        suite_axes = self.study.parts.suite.axes
         suites = [tuple(point[axis] for axis in suite_axes) for point in self.points]
         for suite, point in zip(suites, self.points, strict=True):
             if suite not in by_suite:

@@ -211,7 +211,7 @@ def _require_separation(
 
 def has_ends(plan: Plan) -> bool:
     """Return whether floors twist somewhere, so that what they require depends on the place along the street."""
-    types = [plan.study.resolved.types[name] for name in plan.study.spec.group]
+    types = [plan.study.parts.types[name] for name in plan.study.spec.group]
     return any(needs_plan(building) for each in types for _, building in each.iter_values())
 
 
@@ -352,13 +352,13 @@ def _read_by_point(plan: Plan, arrays: ResultArrays, name: str) -> np.ndarray:
 
 def _find_code_displacements(plan: Plan) -> CodeDisplacements:
     """Return the displacements of all building types that codes expect."""
-    resolved = plan.study.resolved
-    return {name: resolved.displacements(name) for name in plan.study.spec.group}
+    parts = plan.study.parts
+    return {name: parts.displacements(name) for name in plan.study.spec.group}
 
 
 def _find_code_edges(plan: Plan) -> CodeEdges:
     """Return a function of point, building and arm that finds what codes expect there of floors that twist."""
-    specs = plan.study.resolved.building_specs
+    specs = plan.study.parts.building_specs
 
     @functools.cache
     def find(index: Point, place: int, arm: float) -> dict[str, np.ndarray] | None:
