@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -17,9 +17,6 @@ import xarray as xr
 from pounding_cli.laws.joints import Connector
 from pounding_cli.laws.pounding import Pounding
 from pounding_cli.records import load_catalogue
-
-if TYPE_CHECKING:
-    pass
 
 HOLDS = "holds"
 PARTLY = "holds partly"

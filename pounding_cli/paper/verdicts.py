@@ -13,16 +13,16 @@ import pandas as pd
 import xarray as xr
 
 from pounding_cli.numbers import NOTHING, format_number, pluralize
+from pounding_cli.paper.claims import AS_GIVEN, CLAIMS, FAILS, HOLDS, LARGEST_STOREY, MEAN_OF_STOREYS, PARTLY, UNTESTED
 from pounding_cli.report.document import Section
 from pounding_cli.report.evidence import find_nominal, format_point, list_points
 from pounding_cli.solver.response import DONE
 from pounding_cli.tables import Column, Row, Table, build_table
 
 if TYPE_CHECKING:
-    from pounding_cli.questions.sensitivity.indices import Sensitivity, Series
+    from pounding_cli.questions.sensitivity.question import Sensitivity, Series
     from pounding_cli.results.results import ResultTables
     from pounding_cli.study import Plan
-from pounding_cli.paper.claims import AS_GIVEN, CLAIMS, FAILS, HOLDS, LARGEST_STOREY, MEAN_OF_STOREYS, PARTLY, UNTESTED
 
 CLAIM_COLUMNS = (
     Column("where", "point of the sweep", label="point of the sweep"),
@@ -131,9 +131,7 @@ def at_samples(plan: Plan, data: xr.Dataset, question: Sensitivity) -> Iterator[
     By the mean over the storeys and by the largest storey; NaN of a sample with a scene that failed, and where nothing
     tests the claim.
     """
-    from pounding_cli.questions.sensitivity.indices import (
-        Series as Sampled,  # with SciPy; `pound report` does not need it
-    )
+    from pounding_cli.questions.sensitivity.question import Series as Sampled  # here: with SciPy, which few pages need
 
     axes = [axis.names[0] for axis in plan.axes]  # the samples are the last one
     data = data.drop_vars(axes[-1]).isel({axes[-1]: xr.DataArray(question.point_of_sample, dims=axes[-1])})

@@ -9,7 +9,7 @@ from pounding_cli.study.schema import StudySection
 
 QUESTION = Question(
     name="sensitivity",
-    ask=LateFunction("pounding_cli.questions.sensitivity.indices:Sensitivity"),
+    ask=LateFunction("pounding_cli.questions.sensitivity.question:Sensitivity"),
     section=StudySection("sensitivity", SensitivitySpec, "settings of `pound sensitivity`"),
     tables=COLUMNS_BY_TABLE,
     sentences=LateFunction("pounding_cli.questions.sensitivity.words:list_sentences"),
