@@ -17,7 +17,8 @@ from pounding_cli.questions.screen.decide import find_decision, find_variance_sh
 from pounding_cli.questions.screen.designs import find_design
 from pounding_cli.questions.screen.figures import draw_street
 from pounding_cli.questions.screen.question import Screen
-from pounding_cli.questions.screen.street import Settings, read_street
+from pounding_cli.questions.screen.street import Settings
+from pounding_cli.questions.screen.street_table import read_street
 
 HEADINGS = (
     "name,left type,left design,left year,left storeys,right type,right design,right storeys,right period [s],"

@@ -9,7 +9,7 @@ from pounding_cli.study.schema import StudySection
 
 QUESTION = Question(
     name="optimise",
-    ask=LateFunction("pounding_cli.questions.optimise.optimum:Optimise"),
+    ask=LateFunction("pounding_cli.questions.optimise.question:Optimise"),
     section=StudySection("optimise", OptimiseSpec, "settings of `pound optimise`"),
     tables=COLUMNS_BY_TABLE,
     sentences=LateFunction("pounding_cli.questions.optimise.words:list_sentences"),

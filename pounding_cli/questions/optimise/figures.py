@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from pounding_cli.questions.expressions import describe_output
-from pounding_cli.questions.optimise.optimum import NO_OPTIMUM
+from pounding_cli.questions.optimise.question import NO_OPTIMUM
 from pounding_cli.questions.optimise.tables import OPTIMUM, SEARCHED_POINTS
 from pounding_cli.questions.optimise.words import MAX_KEYS, key_unit, list_sentences, sought_unit
 from pounding_cli.report.document import Picture

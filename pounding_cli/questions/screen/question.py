@@ -180,9 +180,8 @@ def _estimate_contact(
     neighbours, motions = closings.values.shape[1:]
     columns = pd.MultiIndex.from_product([range(neighbours), range(motions)], names=["neighbour", "motion"])
     frame = pd.DataFrame(closings.values.reshape(len(intensities), -1), index=intensities, columns=columns)
-    frame = (
-        frame[~frame.index.duplicated()].sort_index().dropna(axis=1)
-    )  # levels are in the order that they are written
+    frame = frame[~frame.index.duplicated()].sort_index()  # levels stand in the order that they are written
+    frame = frame.dropna(axis=1)  # leave out motions of which a run failed
     row = {"pga": pga, "motions": frame.columns.get_level_values("motion").nunique()}
     nothing = dict.fromkeys(("rate", "rate_low", "rate_high", "probability", "enough"), np.nan)
     basis = RateBasis(hazard, 0, {((), "", 0): frame})
