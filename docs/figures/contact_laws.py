@@ -98,7 +98,7 @@ def run(study: Path | dict[str, Any]) -> dict[str, pd.DataFrame]:
 
 def laws() -> dict[str, LinkLaw]:
     """Every law as the study has it, between its two roofs."""
-    links = load_study_file(STUDY).resolved.links["touching"]
+    links = load_study_file(STUDY).parts.links["touching"]
     found = dict.fromkeys(at_point[-1].law for _, at_point in links.iter_values())
     return dict(zip(LOOKS, found, strict=True))
 

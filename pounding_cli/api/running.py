@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from pounding_cli.questions.question import StudyQuestion
-    from pounding_cli.questions.sensitivity.indices import Sensitivity, Series
+    from pounding_cli.questions.sensitivity.question import Sensitivity, Series
     from pounding_cli.study import Plan, Study
 
 
@@ -76,7 +76,7 @@ class RunOutcome:
 def ask_question(name: str, study: Study) -> StudyQuestion:
     """Return a question asked of a study.  Raises InputError: there is none, or the study asks what has no answer."""
     if name == "sensitivity":
-        from pounding_cli.questions.sensitivity.indices import Sensitivity
+        from pounding_cli.questions.sensitivity.question import Sensitivity
 
         question = Sensitivity(study, judge=_judge_claims)
         _refuse_drawn_changes(question)

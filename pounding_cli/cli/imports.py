@@ -135,7 +135,7 @@ def pushover(curves: Path, storeys: Path | None, figure: Path | None, **options:
     from pounding_cli.imports.pushover import apply_curves, draw_fits, read_curves
     from pounding_cli.imports.storeys import read_building
     from pounding_cli.outputs import check_output
-    from pounding_cli.report.style import FORMATS, drawn_as
+    from pounding_cli.report.style import FIGURE_FORMATS, drawn_as
 
     choices = _build_choices(options)
     found = _read_tables(curves, options["units"])
@@ -147,8 +147,8 @@ def pushover(curves: Path, storeys: Path | None, figure: Path | None, **options:
     name = _choose_name(options["name"], curves)
     picture = figure or _choose_output(options["output"], name).with_name(f"{name}-fits.svg")
     suffix = picture.suffix.lower().lstrip(".")
-    if suffix not in FORMATS:
-        hint = f"end the name with one of .{', .'.join(FORMATS)}"
+    if suffix not in FIGURE_FORMATS:
+        hint = f"end the name with one of .{', .'.join(FIGURE_FORMATS)}"
         raise InputError(Problem(f"cannot draw a '{picture.suffix}' file", hint, str(picture)))
     check_output(picture, [curves], option="--figure")
     digests = found.list_digests() + ([] if storeys is None else others.list_digests())

@@ -88,7 +88,8 @@ def screen(
     prepare_solving()
     from pounding_cli.api.studies import default_output
     from pounding_cli.questions.screen.question import Screen
-    from pounding_cli.questions.screen.street import Settings, read_street
+    from pounding_cli.questions.screen.street import Settings
+    from pounding_cli.questions.screen.street_table import read_street
 
     defaults = Settings()
     settings = Settings(

@@ -27,7 +27,7 @@ from pounding_cli.questions import TITLES
 if TYPE_CHECKING:
     from pounding_cli.api.running import RunOutcome
     from pounding_cli.batch.progress import JsonLines
-    from pounding_cli.questions.optimise.optimum import Optimise
+    from pounding_cli.questions.optimise.question import Optimise
     from pounding_cli.questions.question import StudyQuestion
     from pounding_cli.study.changes import Change
 
@@ -220,7 +220,7 @@ def _check_best(asked: Optimise, write: Path, replace: bool) -> None:
 def _write_best(asked: Optimise, outcome: RunOutcome, write: Path) -> bool:
     """Write the study with the best values that the results have; return whether there are such."""
     from pounding_cli.api.studies import open_results
-    from pounding_cli.questions.optimise.optimum import NO_OPTIMUM
+    from pounding_cli.questions.optimise.question import NO_OPTIMUM
     from pounding_cli.questions.optimise.tables import OPTIMUM
 
     results = outcome.results or open_results(outcome.path)

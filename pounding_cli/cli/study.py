@@ -283,7 +283,7 @@ def _plans(plan: Plan, group: Sequence[Building]) -> list[str]:
     if all(building.plan is None for building in group):
         return []
     first = plan.study.first_point
-    links = {case: plan.study.resolved.links[case].value_at(first) for case in plan.cases}
+    links = {case: plan.study.parts.links[case].value_at(first) for case in plan.cases}
     lines = ["plans (at the first point of the sweep)" if plan.study.axes_changing("buildings") else "plans"]
     for name, words in describe_plans(group):
         lines += _hang(name, words)

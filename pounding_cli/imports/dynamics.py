@@ -16,7 +16,7 @@ from pounding_cli.imports.headings import (
     STOREY_HEADINGS,
 )
 from pounding_cli.imports.rows import read_positive, select_tower
-from pounding_cli.imports.tables import ProgramTable, Row, TableFile
+from pounding_cli.imports.tables import ProgramRow, ProgramTable, TableFile
 from pounding_cli.numbers import join_limited
 from pounding_cli.texts import escape_controls
 
@@ -38,7 +38,7 @@ def read_eccentricity(tables: TableFile, building: ImportedBuilding, choices: Ch
         building.notes.append(f"eccentricity: '{table.title}' has no {across}CM and {across}CR, left out")
         return
     rows = select_tower(table, table.rows, choices)
-    by_name: dict[str, Row] = {}
+    by_name: dict[str, ProgramRow] = {}
     for row in rows:
         name = table.read_text(row, storey)
         if name in by_name and name in building.names:
@@ -97,7 +97,7 @@ def read_period(tables: TableFile, building: ImportedBuilding, choices: Choices)
     building.notes.append(f"period of the model: {table.describe_column(period)}, {words}")
 
 
-def _select_modal_case(table: ProgramTable, building: ImportedBuilding) -> list[Row]:
+def _select_modal_case(table: ProgramTable, building: ImportedBuilding) -> list[ProgramRow]:
     """Return the rows of the first modal case of a table; a note names it where there are others."""
     case = table.find_column(CASE_HEADINGS)
     rows = list(table.rows)

@@ -14,7 +14,7 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.imports.building import Choices, ImportedBuilding
 from pounding_cli.imports.headings import HEADINGS_OF_DIRECTION, STEP_NUMBER_HEADINGS, STOREY_HEADINGS
 from pounding_cli.imports.rows import select_case
-from pounding_cli.imports.tables import Column, ProgramTable, Row, TableFile
+from pounding_cli.imports.tables import ProgramColumn, ProgramRow, ProgramTable, TableFile
 from pounding_cli.numbers import join_limited
 from pounding_cli.reading import shorten_path
 from pounding_cli.report.style import finish, grid, shared_legend, with_style
@@ -40,7 +40,7 @@ DEFAULT_HARDENING = 0.05
 
 
 @dataclass(frozen=True)
-class Curve:
+class PushoverCurve:
     """The shear of a storey over its drift.
 
     storey : its name
@@ -77,7 +77,7 @@ class Fit:
         return self.stiffness * (np.minimum(drift, yield_drift) + self.hardening * beyond)
 
 
-def fit_two_lines(curve: Curve) -> Fit:
+def fit_two_lines(curve: PushoverCurve) -> Fit:
     """Return the two lines that enclose the area of a curve, the first one through 60 % of the yield shear.
 
     FEMA 356 (2000), 3.3.3.2.4, on each storey.
@@ -109,14 +109,14 @@ def fit_two_lines(curve: Curve) -> Fit:
     return _measure_fit(curve, stiffness, yield_shear, (largest - yield_shear) / beyond / stiffness, yields=True)
 
 
-def _interpolate_drift(curve: Curve, shear: float) -> float:
+def _interpolate_drift(curve: PushoverCurve, shear: float) -> float:
     """Return the drift at which a curve first reaches a shear [m]."""
     place = int(np.argmax(curve.shear >= shear))
     ends = curve.shear[place - 1 : place + 1]
     return float(np.interp(shear, ends, curve.drift[place - 1 : place + 1]))
 
 
-def _measure_fit(curve: Curve, stiffness: float, yield_shear: float, hardening: float, yields: bool) -> Fit:
+def _measure_fit(curve: PushoverCurve, stiffness: float, yield_shear: float, hardening: float, yields: bool) -> Fit:
     """Return the fit with its distances from the curve."""
     fit = Fit(stiffness, yield_shear, hardening, 0.0, 0.0, yields)
     corner = yield_shear / stiffness
@@ -126,7 +126,7 @@ def _measure_fit(curve: Curve, stiffness: float, yield_shear: float, hardening: 
     return Fit(stiffness, yield_shear, hardening, mean_error, float(distance.max()), yields)
 
 
-def read_curves(tables: TableFile, choices: Choices) -> tuple[list[Curve], list[str]]:
+def read_curves(tables: TableFile, choices: Choices) -> tuple[list[PushoverCurve], list[str]]:
     """Return the curve of every storey, in the order of the table, and which columns were taken.
 
     The table has a row for each storey and step: storey, drift and shear; of ETABS that is `Story Stiffness` of a
@@ -156,7 +156,9 @@ def read_curves(tables: TableFile, choices: Choices) -> tuple[list[Curve], list[
     return curves, notes
 
 
-def _build_curve(table: ProgramTable, rows: Sequence[Row], name: str, drift: Column, shear: Column) -> Curve:
+def _build_curve(
+    table: ProgramTable, rows: Sequence[ProgramRow], name: str, drift: ProgramColumn, shear: ProgramColumn
+) -> PushoverCurve:
     """Return a curve from the rows of a storey.  Raises InputError: it does not rise from the origin."""
     step = table.find_column(STEP_NUMBER_HEADINGS)
     if step is not None and all(table.read_text(row, step) for row in rows):
@@ -185,10 +187,10 @@ def _build_curve(table: ProgramTable, rows: Sequence[Row], name: str, drift: Col
         raise table.refuse(
             message, "give the steps in their order, each drift larger", rows[int(falling[0]) + 1], drift
         )
-    return Curve(name, drifts[: peak + 1], shears[: peak + 1], float(shears[peak] / max(shears[-1], 1e-300)))
+    return PushoverCurve(name, drifts[: peak + 1], shears[: peak + 1], float(shears[peak] / max(shears[-1], 1e-300)))
 
 
-def apply_curves(building: ImportedBuilding, curves: Sequence[Curve], path: str) -> dict[str, Fit]:
+def apply_curves(building: ImportedBuilding, curves: Sequence[PushoverCurve], path: str) -> dict[str, Fit]:
     """Set stiffness, yield shear and hardening of a building from the curves of its storeys; return the fits by storey.
 
     Raises
@@ -220,7 +222,7 @@ def apply_curves(building: ImportedBuilding, curves: Sequence[Curve], path: str)
     return fits
 
 
-def _list_doubts(curve: Curve, fit: Fit) -> list[str]:
+def _list_doubts(curve: PushoverCurve, fit: Fit) -> list[str]:
     """Return what a reader must know of a fit."""
     name = escape_controls(curve.storey)
     doubts = []
@@ -244,7 +246,7 @@ def _list_doubts(curve: Curve, fit: Fit) -> list[str]:
 
 
 @with_style
-def draw_fits(curves: Sequence[Curve], fits: dict[str, Fit], title: str) -> Figure:
+def draw_fits(curves: Sequence[PushoverCurve], fits: dict[str, Fit], title: str) -> Figure:
     """Draw the curve of every storey, from the roof down, with its two lines."""
     by_name = {curve.storey: curve for curve in curves}
     figure, axes = grid(len(fits), 2.9, 2.2, "storey shear [kN]")

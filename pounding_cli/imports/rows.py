@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 from pounding_cli.imports.building import Choices
 from pounding_cli.imports.headings import CASE_HEADINGS, TOWER_HEADINGS
-from pounding_cli.imports.tables import Column, ProgramTable, Row
+from pounding_cli.imports.tables import ProgramColumn, ProgramRow, ProgramTable
 from pounding_cli.numbers import join_limited, pluralize
 from pounding_cli.texts import escape_controls
 
 
-def select_tower(table: ProgramTable, rows: Sequence[Row], choices: Choices) -> list[Row]:
+def select_tower(table: ProgramTable, rows: Sequence[ProgramRow], choices: Choices) -> list[ProgramRow]:
     """Return the rows of the tower that is imported.  Raises InputError: there are several and none is chosen."""
     column = table.find_column(TOWER_HEADINGS)
     if column is None:
@@ -26,7 +26,7 @@ def select_tower(table: ProgramTable, rows: Sequence[Row], choices: Choices) -> 
     return list(rows)
 
 
-def get_row(table: ProgramTable, by_name: dict[str, Row], name: str) -> Row:
+def get_row(table: ProgramTable, by_name: dict[str, ProgramRow], name: str) -> ProgramRow:
     """Return the row of a storey.  Raises InputError: there is none."""
     if name not in by_name:
         there = join_limited([escape_controls(each) for each in by_name], 300) or "none"
@@ -35,7 +35,9 @@ def get_row(table: ProgramTable, by_name: dict[str, Row], name: str) -> Row:
     return by_name[name]
 
 
-def read_positive(table: ProgramTable, row: Row, column: Column, si: str, may_be_zero: bool = False) -> float:
+def read_positive(
+    table: ProgramTable, row: ProgramRow, column: ProgramColumn, si: str, may_be_zero: bool = False
+) -> float:
     """Return a number above zero in SI.  Raises InputError."""
     if si:
         value = table.read_quantity(row, column, si)
@@ -47,7 +49,9 @@ def read_positive(table: ProgramTable, row: Row, column: Column, si: str, may_be
     return value
 
 
-def select_case(table: ProgramTable, column: Column, choices: Choices, meaning: str) -> tuple[list[Row], str]:
+def select_case(
+    table: ProgramTable, column: ProgramColumn, choices: Choices, meaning: str
+) -> tuple[list[ProgramRow], str]:
     """Return the rows of the load case that is imported, and its name.
 
     column : of the direction, which is not zero in cases along it
@@ -74,7 +78,9 @@ def select_case(table: ProgramTable, column: Column, choices: Choices, meaning: 
     raise table.refuse(f"{message}; {along}", f"name the one {meaning}, e.g. --case {example}")
 
 
-def _is_filled(table: ProgramTable, rows: Sequence[Row], case: Column, name: str, column: Column) -> bool:
+def _is_filled(
+    table: ProgramTable, rows: Sequence[ProgramRow], case: ProgramColumn, name: str, column: ProgramColumn
+) -> bool:
     """Return whether a column holds numbers other than zero in the rows of a load case."""
     texts = [table.read_text(row, column) for row in rows if table.read_text(row, case) == name]
     return any(text not in ("", "0", "0.0") for text in texts)

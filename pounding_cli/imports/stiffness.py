@@ -15,12 +15,12 @@ from pounding_cli.imports.headings import (
     STOREY_HEADINGS,
 )
 from pounding_cli.imports.rows import get_row, select_case
-from pounding_cli.imports.tables import Column, ProgramTable, Row
+from pounding_cli.imports.tables import ProgramColumn, ProgramRow, ProgramTable
 from pounding_cli.numbers import join_limited
 from pounding_cli.texts import escape_controls
 
 
-def read_stiffness(table: ProgramTable, column: Column, building: ImportedBuilding, choices: Choices) -> None:
+def read_stiffness(table: ProgramTable, column: ProgramColumn, building: ImportedBuilding, choices: Choices) -> None:
     """Set the storey stiffnesses of a building.  Raises InputError."""
     rows, case = select_case(table, column, choices, "whose forces follow the first mode")
     storey = table.get_column(STOREY_HEADINGS, "name of the storey")
@@ -42,8 +42,8 @@ def read_stiffness(table: ProgramTable, column: Column, building: ImportedBuildi
 
 
 def _pick_step(
-    table: ProgramTable, rows: Sequence[Row], storey: Column, column: Column, choices: Choices
-) -> dict[str, Row]:
+    table: ProgramTable, rows: Sequence[ProgramRow], storey: ProgramColumn, column: ProgramColumn, choices: Choices
+) -> dict[str, ProgramRow]:
     """Return the row of each storey.  Raises InputError: rows of a storey differ, and no step is named."""
     step_columns = [
         each
@@ -54,7 +54,7 @@ def _pick_step(
         rows = [row for row in rows if choices.step in [table.read_text(row, each) for each in step_columns]]
         if not rows:
             raise table.refuse(f"has no step '{choices.step}' in this load case", "choose another one with --step")
-    by_name: dict[str, Row] = {}
+    by_name: dict[str, ProgramRow] = {}
     for row in rows:
         name = table.read_text(row, storey)
         first = by_name.setdefault(name, row)
@@ -67,7 +67,7 @@ def _pick_step(
 
 
 def _compare_with_drift(
-    table: ProgramTable, row: Row, column: Column, name: str, building: ImportedBuilding, direction: str
+    table: ProgramTable, row: ProgramRow, column: ProgramColumn, name: str, building: ImportedBuilding, direction: str
 ) -> None:
     """Warn where a stiffness is not the storey shear over the drift of its row."""
     shear = table.find_column(HEADINGS_OF_DIRECTION[direction]["shear"][:1])

@@ -15,10 +15,10 @@ from pounding_cli.imports.headings import (
     STIFFNESS_TABLES,
     STOREY_HEADINGS,
 )
-from pounding_cli.imports.tables import Column, ProgramTable, Row, TableFile, normalize_name
+from pounding_cli.imports.tables import ProgramColumn, ProgramRow, ProgramTable, TableFile, normalize_name
 
 
-def find_base_order(rows: Sequence[Row], bases: Sequence[Row]) -> list[str]:
+def find_base_order(rows: Sequence[ProgramRow], bases: Sequence[ProgramRow]) -> list[str]:
     """Return "up" where the base is the first row of a table, "down" where it is the last."""
     if len(bases) == 1 and bases[0] in (rows[0], rows[-1]) and len(rows) > 1:
         return ["up" if bases[0] is rows[0] else "down"]
@@ -61,8 +61,8 @@ def find_shears(tables: TableFile, names: Sequence[str], choices: Choices) -> li
 
 def find_order(
     table: ProgramTable,
-    rows: Sequence[Row],
-    storey: Column,
+    rows: Sequence[ProgramRow],
+    storey: ProgramColumn,
     names: Sequence[str],
     base_order: Sequence[str],
     choices: Choices,

@@ -24,7 +24,7 @@ from pounding_cli.imports.headings import (
 from pounding_cli.imports.rows import get_row, read_positive, select_tower
 from pounding_cli.imports.stiffness import read_stiffness
 from pounding_cli.imports.storey_order import find_base_order, find_base_order_in_masses, find_order, find_shears
-from pounding_cli.imports.tables import Column, ProgramTable, Row, TableFile, normalize_name
+from pounding_cli.imports.tables import ProgramColumn, ProgramRow, ProgramTable, TableFile, normalize_name
 from pounding_cli.reading import shorten_path
 from pounding_cli.texts import escape_controls
 
@@ -159,7 +159,7 @@ def _read_storeys(tables: TableFile, choices: Choices) -> ImportedBuilding:
     return building
 
 
-def _check_elevations(table: ProgramTable, ordered: Sequence[Row], height: Column) -> None:
+def _check_elevations(table: ProgramTable, ordered: Sequence[ProgramRow], height: ProgramColumn) -> None:
     """Make sure that elevations, where a table has them, are the sums of the heights.  Raises InputError."""
     column = table.find_column(ELEVATION_HEADINGS)
     if column is None:
@@ -172,7 +172,7 @@ def _check_elevations(table: ProgramTable, ordered: Sequence[Row], height: Colum
             raise table.refuse(f"{rise}, the height {storey_height:.6g} m", "correct one of the two", row, column)
 
 
-def _is_base(table: ProgramTable, row: Row, storey: Column, height: Column) -> bool:
+def _is_base(table: ProgramTable, row: ProgramRow, storey: ProgramColumn, height: ProgramColumn) -> bool:
     """Return whether a row is the base, which has no storey below it."""
     if table.read_text(row, height) not in ("", "0"):
         return False
@@ -183,7 +183,7 @@ def _is_base(table: ProgramTable, row: Row, storey: Column, height: Column) -> b
     return table.read_number(row, elevation) == lowest
 
 
-def _refuse_twice(table: ProgramTable, rows: Sequence[Row], storey: Column, names: Sequence[str]) -> None:
+def _refuse_twice(table: ProgramTable, rows: Sequence[ProgramRow], storey: ProgramColumn, names: Sequence[str]) -> None:
     """Raise InputError where a storey stands twice, or has no name."""
     for place, name in enumerate(names):
         if not name:

@@ -31,10 +31,10 @@ MAX_ROWS = 200_000
 _PEEKED_ROWS = 4
 """Rows that show title, headings and units of a table."""
 
-QUANTITIES = {"m": "length", "kg": "mass", "N": "force", "N/m": "stiffness", "s": "time"}
+QUANTITY_OF_UNIT = {"m": "length", "kg": "mass", "N": "force", "N/m": "stiffness", "s": "time"}
 """SI unit -> what it measures."""
 
-Row = tuple[int, tuple[Any, ...]]
+ProgramRow = tuple[int, tuple[Any, ...]]
 """Number of a row in its file, from 1, and its cells."""
 
 
@@ -44,7 +44,7 @@ def normalize_name(text: str) -> str:
 
 
 @dataclass
-class Column:
+class ProgramColumn:
     """A column of a table.
 
     name : as its heading says
@@ -71,12 +71,12 @@ class ProgramTable:
     title: str
     path: Path
     sheet: str
-    first_rows: tuple[Row, ...]
-    load_rows: Callable[[], Iterable[Row]]
+    first_rows: tuple[ProgramRow, ...]
+    load_rows: Callable[[], Iterable[ProgramRow]]
     system: dict[str, float]
 
     @cached_property
-    def _head(self) -> tuple[int, Row, Row | None]:
+    def _head(self) -> tuple[int, ProgramRow, ProgramRow | None]:
         """Number of rows above the first values, the row of headings, and the row of units."""
         has_title = count_filled(self.first_rows[0]) == 1 and len(self.first_rows) > 1
         heading_place = 1 if has_title else 0
@@ -87,7 +87,7 @@ class ProgramTable:
         return heading_place + 1, headings, None
 
     @cached_property
-    def columns(self) -> tuple[Column, ...]:
+    def columns(self) -> tuple[ProgramColumn, ...]:
         """Its columns that have a heading."""
         _, (_, headings), units_row = self._head
         columns = []
@@ -100,14 +100,14 @@ class ProgramTable:
             if bracketed is not None:
                 name = bracketed[1]
                 unit = unit or bracketed[2]
-            columns.append(Column(name, place, unit))
+            columns.append(ProgramColumn(name, place, unit))
         return tuple(columns)
 
     @cached_property
-    def rows(self) -> tuple[Row, ...]:
+    def rows(self) -> tuple[ProgramRow, ...]:
         """Its rows of values that are not empty.  Raises InputError: too many."""
         skipped = self._head[0]
-        rows: list[Row] = []
+        rows: list[ProgramRow] = []
         filled = (row for row in self.load_rows() if count_filled(row))
         for place, row in enumerate(filled):
             if place >= skipped:
@@ -121,7 +121,7 @@ class ProgramTable:
         """The table in words: its sheet, or its file."""
         return f"sheet '{self.sheet}'" if self.sheet else f"'{self.title}'"
 
-    def find_column(self, names: Sequence[str]) -> Column | None:
+    def find_column(self, names: Sequence[str]) -> ProgramColumn | None:
         """Return the first column of one of these names, by letters and digits alone; None where there is none."""
         for name in names:
             for column in self.columns:
@@ -129,7 +129,7 @@ class ProgramTable:
                     return column
         return None
 
-    def get_column(self, names: Sequence[str], meaning: str) -> Column:
+    def get_column(self, names: Sequence[str], meaning: str) -> ProgramColumn:
         """Return the column of one of these names.
 
         Raises
@@ -144,11 +144,11 @@ class ProgramTable:
             raise InputError(Problem(message, hint, shorten_path(self.path), self._head[1][0], 1))
         return column
 
-    def read_text(self, row: Row, column: Column) -> str:
+    def read_text(self, row: ProgramRow, column: ProgramColumn) -> str:
         """Return a cell as text; "" where it is empty."""
         return format_cell(row[1][column.place]) if column.place < len(row[1]) else ""
 
-    def read_number(self, row: Row, column: Column) -> float:
+    def read_number(self, row: ProgramRow, column: ProgramColumn) -> float:
         """Return a cell as a number in the unit of the table.
 
         Raises
@@ -167,7 +167,7 @@ class ProgramTable:
         hint = "write a plain number with a decimal point"
         raise self.refuse(f"'{escape_controls(text[:60])}' is not a number", hint, row, column)
 
-    def read_quantity(self, row: Row, column: Column, si: str) -> float:
+    def read_quantity(self, row: ProgramRow, column: ProgramColumn, si: str) -> float:
         """Return a cell in SI.
 
         si : SI unit of what it measures
@@ -178,7 +178,7 @@ class ProgramTable:
         """
         return self.read_number(row, column) * self.find_factor_of(column, si)
 
-    def find_factor_of(self, column: Column, si: str) -> float:
+    def find_factor_of(self, column: ProgramColumn, si: str) -> float:
         """Return one unit of a column in SI.  Raises InputError: its unit is missing or of another quantity."""
         if column.unit.strip().lower() in NO_UNITS:
             if si in self.system:
@@ -188,7 +188,7 @@ class ProgramTable:
             raise InputError(Problem(message, hint, shorten_path(self.path), self._head[1][0], column.place + 1))
         factor = find_factor(column.unit, si)
         if factor is None:
-            quantity = QUANTITIES[si]
+            quantity = QUANTITY_OF_UNIT[si]
             message = (
                 f"column '{column.name}' of {self.words}: '{escape_controls(column.unit)}' is not a unit of {quantity}"
             )
@@ -197,7 +197,9 @@ class ProgramTable:
             raise InputError(Problem(message, hint, shorten_path(self.path), units_row[0], column.place + 1))
         return factor
 
-    def refuse(self, message: str, hint: str, row: Row | None = None, column: Column | None = None) -> InputError:
+    def refuse(
+        self, message: str, hint: str, row: ProgramRow | None = None, column: ProgramColumn | None = None
+    ) -> InputError:
         """Return the refusal of a row or cell, which names sheet, row and column."""
         if row is None or column is None:
             line = row[0] if row else 0
@@ -205,13 +207,13 @@ class ProgramTable:
         place = f"{self.words}, row {row[0]}, column '{escape_controls(column.name)}'"
         return InputError(Problem(f"{place}: {message}", hint, shorten_path(self.path), row[0], column.place + 1))
 
-    def describe_column(self, column: Column) -> str:
+    def describe_column(self, column: ProgramColumn) -> str:
         """Return table, column and unit in words."""
         unit = f" [{column.unit}]" if column.unit.strip().lower() not in NO_UNITS else ""
         return f"'{self.title}', column {column.name}{unit}"
 
 
-def count_filled(row: Row) -> int:
+def count_filled(row: ProgramRow) -> int:
     """Return how many cells of a row are not empty."""
     return sum(bool(format_cell(cell)) for cell in row[1])
 
@@ -333,17 +335,17 @@ def _iter_sheets(path: Path, content: bytes, system: dict[str, float]) -> Iterat
             yield ProgramTable(title, path, sheet.title, first_rows, _sheet_loader(sheet), system)
 
 
-def _sheet_loader(sheet: Any) -> Callable[[], Iterable[Row]]:
+def _sheet_loader(sheet: Any) -> Callable[[], Iterable[ProgramRow]]:
     """Return the function that loads the rows of a sheet."""
     return lambda: _iter_sheet_rows(sheet)
 
 
-def _iter_sheet_rows(sheet: Any) -> Iterator[Row]:
+def _iter_sheet_rows(sheet: Any) -> Iterator[ProgramRow]:
     """Yield the rows of a sheet with their numbers."""
     return enumerate(sheet.iter_rows(values_only=True), 1)
 
 
-def _iter_first_rows(rows: Iterable[Row]) -> Iterator[Row]:
+def _iter_first_rows(rows: Iterable[ProgramRow]) -> Iterator[ProgramRow]:
     """Yield the first rows that are not empty."""
     found = 0
     for row in rows:
@@ -354,7 +356,7 @@ def _iter_first_rows(rows: Iterable[Row]) -> Iterator[Row]:
             return
 
 
-def _find_title(first_rows: Sequence[Row], name: str) -> str:
+def _find_title(first_rows: Sequence[ProgramRow], name: str) -> str:
     """Return the title of a table: that of its first row, or the name of its sheet or file."""
     if count_filled(first_rows[0]) > 1 or len(first_rows) == 1:
         return name
@@ -382,7 +384,7 @@ def _iter_csv_tables(path: Path, system: dict[str, float]) -> Iterator[ProgramTa
         yield ProgramTable(_find_title(first_rows, path.stem), path, "", first_rows, lambda: rows, system)
 
 
-def _split_csv(text: str) -> list[Row]:
+def _split_csv(text: str) -> list[ProgramRow]:
     """Return the rows of a CSV file, whose columns are parted by commas, semicolons or tabs.
 
     Where they are parted by semicolons or tabs and no cell has a decimal point, commas in numbers are decimal signs.

@@ -18,7 +18,7 @@ from pounding_cli.texts import escape_controls
 STAND_IN = "neighbour"
 """Name of the wall that stands beside an imported building until its neighbour is written."""
 
-LINE_WIDTH = 115
+YAML_WIDTH = 115
 """Characters of a line of the study."""
 
 
@@ -134,7 +134,7 @@ def _format_list(key: str, values: Sequence[float] | np.ndarray, unit: str, fact
     words = [f"{value / factor:.8g} {unit}".strip() for value in values]
     opening = f"    {key}: ["
     wrapped = textwrap.wrap(
-        ", ".join(word.replace(" ", "\N{NO-BREAK SPACE}") for word in words), LINE_WIDTH - len(opening)
+        ", ".join(word.replace(" ", "\N{NO-BREAK SPACE}") for word in words), YAML_WIDTH - len(opening)
     )
     wrapped = [line.replace("\N{NO-BREAK SPACE}", " ") for line in wrapped]
     indent = " " * len(opening)
@@ -146,7 +146,7 @@ def _comment(text: str, indent: int = 0) -> list[str]:
     """Return the lines of a comment."""
     return textwrap.wrap(
         escape_controls(text).replace("\n", " ").replace("\t", " "),
-        LINE_WIDTH,
+        YAML_WIDTH,
         initial_indent=" " * indent + "# ",
         subsequent_indent=" " * indent + "#   ",
     )

@@ -61,7 +61,7 @@ UNCERTAIN = ("period", "strength", "damping", "drift")
 MANUAL = "Hazus-MH 2.1 Technical Manual"
 """Short name of the source."""
 
-DISTRIBUTION = "triangular"
+FORCE_DISTRIBUTION = "triangular"
 """Forces over the height by which the yield shears of the storeys follow from that of the base."""
 
 TAPER = 1.0
@@ -183,7 +183,7 @@ class Archetype:
         heights = np.full(storeys, self.storey_height)
         period = factor["period"] * self.period(storeys)
         stiffness = stiffness_for_period(masses, period, TAPER)
-        design = BaseShearDesign(factor["strength"] * self.base_shear(storeys), DISTRIBUTION)
+        design = BaseShearDesign(factor["strength"] * self.base_shear(storeys), FORCE_DISTRIBUTION)
         shears = design.yield_shears(masses, heights, period)
         alpha, beta = rayleigh_factors(masses, stiffness, factor["damping"] * self.damping)
         hardening = np.full(storeys, self.hardening)

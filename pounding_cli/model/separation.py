@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from pounding_cli.model.building import Building
 from pounding_cli.model.plan import FloorPlan
+from pounding_cli.records.code_spectra import ASCE7, EN1998, GB50011, NTC2018
 from pounding_cli.records.motion import GRAVITY
 
 
@@ -268,10 +269,12 @@ class CodeRule:
     at_base: bool = False
 
 
-UBC, ASCE7, EN1998, GB50011 = "UBC", "ASCE 7-16", "EN 1998-1", "GB 50011-2010"
-NTC2018, NTC2008 = "NTC 2018", "NTC 2008"
-TBDY2018, E030, NBC202 = "TBDY 2018", "E.030", "NBC 202"
-"""Names of the rules."""
+UBC = "UBC"
+NTC2008 = "NTC 2008"
+TBDY2018 = "TBDY 2018"
+E030 = "E.030"
+NBC202 = "NBC 202"
+"""Names of the rules of codes that `records.code_spectra` does not name."""
 
 
 def _scale(elastic: ArrayLike, *factors: float) -> np.ndarray:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -17,9 +17,6 @@ import xarray as xr
 from pounding_cli.laws.joints import Connector
 from pounding_cli.laws.pounding import Pounding
 from pounding_cli.records import load_catalogue
-
-if TYPE_CHECKING:
-    pass
 
 HOLDS = "holds"
 PARTLY = "holds partly"
@@ -36,8 +33,8 @@ IMPLIED = ("eureka", "olympia")
 RATIOS = (("V_ratio", "elastic", "V/V0, elastic"), ("mu_ratio", "inelastic", "μ/μ0, inelastic"))
 """Quantities of Figs 6 and 7: the ratio to the building alone, its analysis, its name."""
 
-MEAN = "mean over the storeys"
-LARGEST = "largest storey"
+MEAN_OF_STOREYS = "mean over the storeys"
+LARGEST_STOREY = "largest storey"
 """The two readings of "the response" that a line of the figures over the storeys shows.
 
 A verdict rests on the first; where the second gives another one, that stands beside it.
@@ -77,7 +74,7 @@ class Finding(NamedTuple):
     number : over the swept axes; NaN where the results have none
     threshold : in the unit of the number
     unit : "-" (ratio), "%", "cm" or "kN s"
-    measure : MEAN or LARGEST where the claim has a number by each; "" of one that counts for both
+    measure : MEAN_OF_STOREYS or LARGEST_STOREY where the claim has a number by each; "" of one that counts for both
     """
 
     words: str
@@ -148,8 +145,8 @@ def iter_responses(data: xr.Dataset, *cases: str) -> Iterator[tuple[Any, ...]]:
 
 def iter_measures(line: xr.DataArray) -> Iterator[tuple[str, xr.DataArray]]:
     """Yield both readings of a line over the storeys, each with its name."""
-    yield MEAN, line.mean("storey")
-    yield LARGEST, line.max("storey")
+    yield MEAN_OF_STOREYS, line.mean("storey")
+    yield LARGEST_STOREY, line.max("storey")
 
 
 def find_stiffest(data: xr.Dataset) -> xr.DataArray:
@@ -196,9 +193,9 @@ def infill_response(data: xr.Dataset) -> Iterator[Finding]:
             words = f"{label}: infill over {base}"
             threshold = Threshold(low=0.9)
             kept = select_stiffest(data, infill / other).mean("storey")
-            yield Finding(f"{words}, {MEAN}", kept, threshold, measure=MEAN)
+            yield Finding(f"{words}, {MEAN_OF_STOREYS}", kept, threshold, measure=MEAN_OF_STOREYS)
             largest = select_stiffest(data, infill).max("storey") / select_stiffest(data, other).max("storey")
-            yield Finding(f"{words}, {LARGEST}", largest, threshold, measure=LARGEST)
+            yield Finding(f"{words}, {LARGEST_STOREY}", largest, threshold, measure=LARGEST_STOREY)
 
 
 @claim("There is more than 80% reduction to the accelerations [by the infill].")
@@ -221,11 +218,11 @@ def softer_infill(data: xr.Dataset) -> Iterator[Finding]:
             words = f"increase of {label}, infill at {share} against 1/5"
             threshold = Threshold(0, 15, is_open=True)
             mean = 100 * (select_stiffest(data, softer / infill).mean("storey") - 1)
-            yield Finding(f"{words}, {MEAN}", mean, threshold, "%", MEAN)
+            yield Finding(f"{words}, {MEAN_OF_STOREYS}", mean, threshold, "%", MEAN_OF_STOREYS)
             largest = 100 * (
                 select_stiffest(data, softer).max("storey") / select_stiffest(data, infill).max("storey") - 1
             )
-            yield Finding(f"{words}, {LARGEST}", largest, threshold, "%", LARGEST)
+            yield Finding(f"{words}, {LARGEST_STOREY}", largest, threshold, "%", LARGEST_STOREY)
 
 
 @claim("Results indicate that the code specified separation is quite adequate.", "fig7")

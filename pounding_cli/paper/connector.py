@@ -12,10 +12,10 @@ import numpy as np
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.laws.pounding import damping_ratio
 from pounding_cli.numbers import Unit
-from pounding_cli.paper.points import PointAnswer, PointCommand, SweepPoint, build_array, describe_extremes
+from pounding_cli.paper.points import PointAnswer, PointCommand, SweepPoint, build_variable, describe_extremes
 from pounding_cli.report.style import finish, panels, with_style
 from pounding_cli.study.base import Model, SpecIssue, spec_field
-from pounding_cli.study.complete_links import RESTITUTION
+from pounding_cli.study.complete_links import DEFAULT_RESTITUTION
 from pounding_cli.study.quantity import MASS, STIFFNESS, TIME, ParsedText, Quantity, WholeNumber
 from pounding_cli.tables import Column
 
@@ -32,7 +32,7 @@ MIN_GRID_POINTS = 4001
 
 _RATIO = Unit("", 1.0, "1")
 
-COLUMNS = (
+CONNECTOR_COLUMNS = (
     Column("peak1", "largest ratio of system 1", _RATIO, "peak 1"),
     Column("at1", "Omega / omega10 at the peak of system 1", _RATIO, "at Ω/ω₁₀"),
     Column("peak2", "largest ratio of system 2", _RATIO, "peak 2"),
@@ -46,7 +46,7 @@ COLUMNS = (
 SAME_RATIO = 1e-9
 """A ratio of displacements that is one to this is one [-]."""
 
-DAMPING_RATIO = damping_ratio(RESTITUTION)
+DAMPING_RATIO = damping_ratio(DEFAULT_RESTITUTION)
 """Damping ratio of a connector whose dashpot the study does not give [-]."""
 
 _JOINT = STIFFNESS.replace(example="0.2 k1", open_low=False)
@@ -89,7 +89,7 @@ class ConnectorSpec(Model):
     damping_ratio: Damping | None = spec_field(
         None,
         f"xi of its dashpot (eq. 7); default: {DAMPING_RATIO:.3g}, which follows from the restitution "
-        f"{RESTITUTION:g} that connectors of `pound run` have unless a study gives another",
+        f"{DEFAULT_RESTITUTION:g} that connectors of `pound run` have unless a study gives another",
         0.1,
     )
     dashpot: Dashpot | None = spec_field(None, "its dashpot, in place of damping_ratio", "100 kN s/m")
@@ -131,7 +131,7 @@ class ConnectorStudySpec(Model):
             yield ("frequencies",), "'low' is not below 'high'", "write e.g. {low: 0.2, high: 1.6}"
 
 
-class Pair(NamedTuple):
+class OscillatorPair(NamedTuple):
     """Two oscillators and what connects them.
 
     m, k, zeta : masses [kg], stiffnesses [N/m] and damping ratios [-] of the two, shapes (2,)
@@ -145,7 +145,7 @@ class Pair(NamedTuple):
     dashpot: float
 
 
-def build_pair(study: ConnectorStudySpec) -> Pair:
+def build_pair(study: ConnectorStudySpec) -> OscillatorPair:
     """Return the numbers of a study; c is as given, or 2 xi sqrt(K m1 m2 / (m1 + m2)) (eq. 7, units corrected)."""
     first = study.first
     second = study.second
@@ -161,10 +161,10 @@ def build_pair(study: ConnectorStudySpec) -> Pair:
     dashpot = 2 * xi * math.sqrt(k * first.mass * second.mass / (first.mass + second.mass))
     dashpot = dashpot if study.connector.dashpot is None else study.connector.dashpot
     zeta = [study.damping if one.damping is None else one.damping for one in (first, second)]
-    return Pair(np.array([first.mass, second.mass]), np.array([k1, k2]), np.array(zeta), k, dashpot)
+    return OscillatorPair(np.array([first.mass, second.mass]), np.array([k1, k2]), np.array(zeta), k, dashpot)
 
 
-def find_coupled_frequencies(pair: Pair) -> tuple[float, float]:
+def find_coupled_frequencies(pair: OscillatorPair) -> tuple[float, float]:
     """Return the two undamped circular frequencies of the connected systems [rad/s], lower first.
 
     They are the roots of (a - w^2) (b - w^2) = K^2 / (m1 m2) with a = (k1 + K) / m1, b = (k2 + K) / m2. The lower one
@@ -179,7 +179,7 @@ def find_coupled_frequencies(pair: Pair) -> tuple[float, float]:
     return math.sqrt(((k1 / m1) * (k2 / m2) + k * (k1 + k2) / (m1 * m2)) / high), math.sqrt(high)
 
 
-def compute_response_ratios(pair: Pair, omega: np.ndarray) -> np.ndarray:
+def compute_response_ratios(pair: OscillatorPair, omega: np.ndarray) -> np.ndarray:
     """Return the steady displacement, connected over alone, of both systems under a_g = exp(i Omega t).
 
     It is complex, of shape (2, n).
@@ -221,7 +221,7 @@ def solve_connector(study: ConnectorStudySpec) -> PointAnswer:
         return np.abs(compute_response_ratios(both, np.atleast_1d(x) * alone))
 
     numbers: dict[str, float] = {}
-    arrays = {"frequency": build_array("1", "Omega / omega10", ratio, "frequency")}
+    arrays = {"frequency": build_variable("1", "Omega / omega10", ratio, "frequency")}
     for which, each in enumerate(compute_response_ratios(both, ratio * alone)):
         best = int(np.argmax(compute_sizes(grid)[which]))
         number = which + 1
@@ -231,9 +231,9 @@ def solve_connector(study: ConnectorStudySpec) -> PointAnswer:
         numbers[f"peak{number}"] = peak
         numbers[f"at{number}"] = place
         text = f"displacement of system {number}, connected over alone"
-        arrays[f"R{number}"] = build_array("1", text, np.abs(each), "frequency")
-        arrays[f"R{number}_real"] = build_array("1", f"{text}, real part", each.real, "frequency")
-        arrays[f"R{number}_imag"] = build_array("1", f"{text}, imaginary part", each.imag, "frequency")
+        arrays[f"R{number}"] = build_variable("1", text, np.abs(each), "frequency")
+        arrays[f"R{number}_real"] = build_variable("1", f"{text}, real part", each.real, "frequency")
+        arrays[f"R{number}_imag"] = build_variable("1", f"{text}, imaginary part", each.imag, "frequency")
     smaller = compute_sizes(grid).min(axis=0) - 1.0
     # A ratio that is one throughout (no connector, equal systems) is not above one: rounding is left out.
     above = smaller > 1e-12
@@ -248,7 +248,7 @@ def solve_connector(study: ConnectorStudySpec) -> PointAnswer:
     numbers["frequency_high"] = float(upper / alone)
     numbers["p"] = float(other / alone)
     text = "bands of Omega / omega10 in which both ratios exceed one"
-    arrays["both_above"] = build_array("1", text, bands, "band", "edge")
+    arrays["both_above"] = build_variable("1", text, bands, "band", "edge")
     if not all(np.isfinite(number) for number in numbers.values()):
         hint = "give masses, stiffnesses and dashpots that differ by fewer powers of ten"
         raise InputError(Problem("the response is not finite", hint))
@@ -278,7 +278,7 @@ def list_connector_sentences(points: Sequence[SweepPoint]) -> list[str]:
         verdict = "the displacement of neither system at any frequency"
     low = min(point.study.frequencies.low for point in points)
     high = max(point.study.frequencies.high for point in points)
-    peaks = [describe_extremes(points, column) for column in COLUMNS if column.name in ("peak1", "peak2")]
+    peaks = [describe_extremes(points, column) for column in CONNECTOR_COLUMNS if column.name in ("peak1", "peak2")]
     return [
         f"The connector increases {verdict}: where it moves most, system 1 moves {peaks[0]} times as far as alone, "
         f"and system 2 moves {peaks[1]} times as far (at Ω/ω₁₀ from {low:g} to {high:g})."
@@ -328,8 +328,8 @@ COMMAND = PointCommand(
     name="connector",
     spec=ConnectorStudySpec,
     solve=solve_connector,
-    columns=COLUMNS,
-    shown_columns=[column.name for column in COLUMNS],
+    columns=CONNECTOR_COLUMNS,
+    shown_columns=[column.name for column in CONNECTOR_COLUMNS],
     sentences=list_connector_sentences,
     figures=list_connector_figures,
     cite=cite_connector,

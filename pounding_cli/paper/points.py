@@ -133,7 +133,7 @@ class Sweep:
         return [point for point in self.points if point.status != DONE]
 
 
-def build_array(unit: str, text: str, values: Any, *dims: str) -> Array:
+def build_variable(unit: str, text: str, values: Any, *dims: str) -> Array:
     """Return an array with its SI unit and its meaning."""
     from pounding_cli.results.arrays import Array  # with h5py, which `pound check` does not need
 

@@ -13,24 +13,24 @@ import pandas as pd
 import xarray as xr
 
 from pounding_cli.numbers import NOTHING, format_number, pluralize
+from pounding_cli.paper.claims import AS_GIVEN, CLAIMS, FAILS, HOLDS, LARGEST_STOREY, MEAN_OF_STOREYS, PARTLY, UNTESTED
 from pounding_cli.report.document import Section
 from pounding_cli.report.evidence import find_nominal, format_point, list_points
 from pounding_cli.solver.response import DONE
 from pounding_cli.tables import Column, Row, Table, build_table
 
 if TYPE_CHECKING:
-    from pounding_cli.questions.sensitivity.indices import Sensitivity, Series
+    from pounding_cli.questions.sensitivity.question import Sensitivity, Series
     from pounding_cli.results.results import ResultTables
     from pounding_cli.study import Plan
-from pounding_cli.paper.claims import AS_GIVEN, CLAIMS, FAILS, HOLDS, LARGEST, MEAN, PARTLY, UNTESTED
 
-COLUMNS = (
+CLAIM_COLUMNS = (
     Column("where", "point of the sweep", label="point of the sweep"),
     Column("claim", "name of the claim"),
-    Column("verdict", f"verdict on the claim by the {MEAN}"),
-    Column("verdict_largest", f"verdict on the claim by the {LARGEST}", label=f"verdict, {LARGEST}"),
+    Column("verdict", f"verdict on the claim by the {MEAN_OF_STOREYS}"),
+    Column("verdict_largest", f"verdict on the claim by the {LARGEST_STOREY}", label=f"verdict, {LARGEST_STOREY}"),
     Column("finding", "meaning of the number"),
-    Column("measure", f"{MEAN}, {LARGEST}, or nothing where the number counts for both verdicts"),
+    Column("measure", f"{MEAN_OF_STOREYS}, {LARGEST_STOREY}, or nothing where the number counts for both verdicts"),
     Column("number", "number found, in the unit of the row", digits=3),
     Column("unit", "unit of the number and the threshold"),
     Column("threshold", "range in which the number agrees with the paper"),
@@ -55,8 +55,8 @@ def _add_motions(scenes: xr.Dataset, motions: xr.Dataset) -> xr.Dataset:
 def evaluate_claims(data: xr.Dataset, axes: Sequence[str], figure: str | None) -> pd.DataFrame:
     """Return every number of the claims about a figure at every point of the swept axes.
 
-    Columns are those of COLUMNS without `where`, and `point`, its number, the last axis fastest; `passed` is 1, 0, or
-    NaN where no number is finite.
+    Columns are those of CLAIM_COLUMNS without `where`, and `point`, its number, the last axis fastest; `passed` is 1, 0
+    or NaN where no number is finite.
     """
     whole = xr.DataArray(np.zeros([data.sizes[axis] for axis in axes]), dims=axes)
 
@@ -78,11 +78,11 @@ def evaluate_claims(data: xr.Dataset, axes: Sequence[str], figure: str | None) -
             part["threshold"] = finding.threshold_text
             parts.append(part)
     if not parts:
-        return pd.DataFrame(columns=["point", *(column.name for column in COLUMNS if column.name != "where")])
+        return pd.DataFrame(columns=["point", *(column.name for column in CLAIM_COLUMNS if column.name != "where")])
     numbers = pd.concat(parts, ignore_index=True)
     numbers["passed"] = numbers["passed"].where(np.isfinite(numbers["number"]))
-    numbers["verdict"] = find_verdicts(numbers, MEAN)
-    numbers["verdict_largest"] = find_verdicts(numbers, LARGEST)
+    numbers["verdict"] = find_verdicts(numbers, MEAN_OF_STOREYS)
+    numbers["verdict_largest"] = find_verdicts(numbers, LARGEST_STOREY)
     return numbers
 
 
@@ -90,7 +90,7 @@ def find_verdicts(numbers: pd.DataFrame, measure: str) -> np.ndarray:
     """Return the verdict by one measure on the claim of every row, shape (rows,).
 
     numbers : columns claim, point, measure and passed of `evaluate_claims`
-    measure : MEAN or LARGEST; numbers by the other one do not count
+    measure : MEAN_OF_STOREYS or LARGEST_STOREY; numbers by the other one do not count
     """
     counted = numbers["passed"].where(numbers["measure"].isin(["", measure]))
     passed = counted.groupby([numbers["claim"], numbers["point"]])  # its extremes leave out NaN
@@ -103,8 +103,8 @@ def find_verdicts(numbers: pd.DataFrame, measure: str) -> np.ndarray:
 def judge_claims(results: ResultTables) -> pd.DataFrame:
     """Return every number of the claims about the figure that the study names, at every point of the sweep.
 
-    Columns are those of COLUMNS; `passed` is true, false or missing. There are no rows where the study names no figure
-    (`claims: fig6` or `claims: fig7`).
+    Columns are those of CLAIM_COLUMNS; `passed` is true, false or missing. There are no rows where the study names no
+    figure (`claims: fig6` or `claims: fig7`).
     """
     axes = [names[0] for names in results.swept]
     numbers = evaluate_claims(_add_motions(results.data, results.data), axes, results.study_data.get("claims"))
@@ -114,7 +114,7 @@ def judge_claims(results: ResultTables) -> pd.DataFrame:
         places.append(format_point(results, swept) or AS_GIVEN)
     numbers["where"] = [places[point] for point in numbers["point"]]
     numbers["passed"] = numbers["passed"].astype("float").astype("boolean")
-    return numbers[[column.name for column in COLUMNS]]
+    return numbers[[column.name for column in CLAIM_COLUMNS]]
 
 
 def list_verdicts(results: ResultTables) -> dict[str, str]:
@@ -131,9 +131,7 @@ def at_samples(plan: Plan, data: xr.Dataset, question: Sensitivity) -> Iterator[
     By the mean over the storeys and by the largest storey; NaN of a sample with a scene that failed, and where nothing
     tests the claim.
     """
-    from pounding_cli.questions.sensitivity.indices import (
-        Series as Sampled,  # with SciPy; `pound report` does not need it
-    )
+    from pounding_cli.questions.sensitivity.question import Series as Sampled  # here: with SciPy, which few pages need
 
     axes = [axis.names[0] for axis in plan.axes]  # the samples are the last one
     data = data.drop_vars(axes[-1]).isel({axes[-1]: xr.DataArray(question.point_of_sample, dims=axes[-1])})
@@ -148,7 +146,7 @@ def at_samples(plan: Plan, data: xr.Dataset, question: Sensitivity) -> Iterator[
     for key, of_claim in numbers.groupby("claim", sort=False):
         columns = {f"claim {key}": "verdict"}
         if (of_claim["measure"] != "").any():
-            columns[f"claim {key}, {LARGEST}"] = "verdict_largest"
+            columns[f"claim {key}, {LARGEST_STOREY}"] = "verdict_largest"
         for name, column in columns.items():
             verdicts = of_claim.drop_duplicates("point")[column].to_numpy().reshape(is_void.shape)
             verdicts = np.where(is_void, UNTESTED, verdicts)
@@ -169,7 +167,7 @@ def format_verdict(row: Row) -> str:
     """Return the verdict of a row of the claims, with that by the largest storey where it is another one."""
     if row["verdict"] == row["verdict_largest"]:
         return str(row["verdict"])
-    return f"{row['verdict']} ({LARGEST}: {row['verdict_largest']})"
+    return f"{row['verdict']} ({LARGEST_STOREY}: {row['verdict_largest']})"
 
 
 def format_passed(row: Row) -> str:
@@ -192,10 +190,10 @@ def list_claim_sections(results: ResultTables) -> list[Section]:
     here = numbers[numbers["where"] == (find_nominal(results).label or AS_GIVEN)]
     rule = (
         "A claim holds if every number meets its threshold, holds partly if some do, does not hold if none does. The "
-        f"verdict is that by the {MEAN}; in brackets that by the {LARGEST}, where it is another one."
+        f"verdict is that by the {MEAN_OF_STOREYS}; in brackets that by the {LARGEST_STOREY}, where it is another one."
     )
     sentences = [summarize_verdicts(here, results.study_data["claims"]), rule]
-    every = build_table("claims", numbers, _show_on_page(COLUMNS), caption="Every number at every point")
+    every = build_table("claims", numbers, _show_on_page(CLAIM_COLUMNS), caption="Every number at every point")
     return [
         Section("The paper’s claims", sentences, [build_claims_table(here)]),
         Section("Numbers of the claims", (), [every], folded=True),
@@ -220,7 +218,7 @@ def summarize_verdicts(numbers: pd.DataFrame, figure: str) -> str:
     parts = [f"{counts[each]} {one if counts[each] == 1 else many}" for each, (one, many) in words.items()]
     known = [part for part, each in zip(parts, words, strict=True) if counts[each]]
     of_all = f"Of {pluralize(len(verdicts), 'claim')} about Fig. {figure.removeprefix('fig')}"
-    return f"{of_all}, {', '.join(known)} (by the {MEAN})."
+    return f"{of_all}, {', '.join(known)} (by the {MEAN_OF_STOREYS})."
 
 
 def build_claims_table(numbers: pd.DataFrame) -> Table:

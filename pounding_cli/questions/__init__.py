@@ -1,7 +1,9 @@
 """The questions that `pound` answers, one folder or file each; a line in `TITLES` adds one.
 
 Everything of a question follows from its `QUESTION` (`question.py`): its command, the section of a study that says what
-it asks, its tables with their columns, what its report says and draws, and what it cites.
+it asks, its tables with their columns, what its report says and draws, and what it cites. Read a folder in this order:
+`spec.py` (the section of the study), `tables.py` (the columns of the answer), `question.py` (the `StudyQuestion`, which
+has the time histories solved and makes the tables), `words.py` and `figures.py` (what is said and drawn of the tables).
 """
 
 from __future__ import annotations

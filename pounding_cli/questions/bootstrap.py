@@ -10,6 +10,9 @@ import numpy as np
 MIN_MOTIONS = 5
 """Motions from which an interval is given: fewer do not show how much numbers vary from motion to motion."""
 
+DRAWS = 300
+"""Draws of the bootstraps of `pound gap`, over motions and over neighbours."""
+
 _SEED = 20260101
 
 

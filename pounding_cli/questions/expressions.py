@@ -17,6 +17,7 @@ from pounding_cli.results.dataset import find_contacts
 from pounding_cli.solver.response import DONE
 from pounding_cli.study.axes import UNWRITTEN, Axis
 from pounding_cli.study.expression import (
+    CONTACT_QUANTITIES,
     FLOOR,
     LINE,
     LINK,
@@ -281,9 +282,6 @@ def find_distinct_points(inputs: Sequence[UncertainInput], points: np.ndarray) -
 
 
 # Expressions in words
-
-CONTACT_QUANTITIES = ("acceleration", "acceleration_ratio", "peak_force", "contact_time")
-"""Quantities that depend on the contact stiffness where floors strike."""
 
 ON_CONTACT = "depends on the contact stiffness"
 """Stands beside such a number."""

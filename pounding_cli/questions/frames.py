@@ -15,19 +15,22 @@ if TYPE_CHECKING:
 
     from pounding_cli.study.axes import Axis
 
-NUMBER = Unit("", 1.0, "1")
+PURE_NUMBER = Unit("", 1.0, "1")
 """Unit of a pure number."""
 
-STATE = "state"
+FOUND = "found"
+"""Outcome of a search, or of the indices of an output, that has an answer."""
+
+STATE_COLUMN = "state"
 """Column that tells buildings with pounding from the same building alone."""
 
 ALONE = "alone"
-POUNDING = "with pounding"
-"""Values of STATE."""
+WITH_POUNDING = "with pounding"
+"""Values of STATE_COLUMN."""
 
 PLACE_COLUMNS = (
     *(Column(name, text, Unit("", 1.0, si)) for name, (si, text) in COORDINATE_VARIABLES.items()),
-    Column(STATE, f"`{ALONE}`, of the building by itself under the same motions, or `{POUNDING}`"),
+    Column(STATE_COLUMN, f"`{ALONE}`, of the building by itself under the same motions, or `{WITH_POUNDING}`"),
 )
 """Columns that say where the numbers of a row stand."""
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from pounding_cli.study.file import Problems
 from pounding_cli.study.issues import KeyPath
-from pounding_cli.study.schema import Section
+from pounding_cli.study.schema import StudySection
 
 if TYPE_CHECKING:
     from pounding_cli.batch.solve import Solver
@@ -84,7 +84,7 @@ class Question:
 
     name: str
     ask: Callable[[Study], StudyQuestion]
-    section: Section | None = None
+    section: StudySection | None = None
     tables: Mapping[str, Sequence[Column]] = field(default_factory=dict)
     sentences: Callable[[ResultTables], Sequence[str]] = _no_lines
     shown_tables: Callable[[ResultTables], Sequence[Table]] = _no_lines

@@ -23,7 +23,7 @@ def build_share_quantity(name: str, example: str) -> Quantity:
     return Quantity(name, "", example, 0.0, 1.0, open_low=True, open_high=True, percent=True)
 
 
-CONFIDENCE = build_share_quantity("confidence", "90 %")
+CONFIDENCE_QUANTITY = build_share_quantity("confidence", "90 %")
 
 
 def percents(name: str, example: str) -> Any:
@@ -31,7 +31,7 @@ def percents(name: str, example: str) -> Any:
     return one_or_many(Annotated[float, build_share_quantity(name, example)], most=20, as_list=True)
 
 
-RATE = Quantity("annual rate", "", "1/475", 0.0, 1e3, open_low=True)
+ANNUAL_RATE = Quantity("annual rate", "", "1/475", 0.0, 1e3, open_low=True)
 
 
 class PowerHazard(Model):
@@ -70,7 +70,7 @@ Hazards: Any = tagged_union(
     _hazard_kind,
     power=PowerHazard,
     file=Annotated[HazardFile, BeforeValidator(lambda v: {"file": v} if isinstance(v, str) else v)],
-    table=Annotated[dict[str, Annotated[float, RATE]], Field(max_length=1000)],
+    table=Annotated[dict[str, Annotated[float, ANNUAL_RATE]], Field(max_length=1000)],
 )
 """Annual rates at which intensities are exceeded: a table {0.1 g: 0.02, 0.4 g: 1/475}, a power law, or a file."""
 
@@ -79,7 +79,7 @@ HAZARD_DESCRIPTION = (
 )
 
 
-MEASURES = ("pga", "pgv", "sa", "ag", "factor")
+INTENSITY_MEASURES = ("pga", "pgv", "sa", "ag", "factor")
 """Intensity measures, as `records.scale` has them; `ag` is that of the target spectrum, `factor` the scale factor."""
 
 _PERIOD = TIME.replace(name="period", example="0.5 s", low=0.01, open_low=False, high=60.0)
@@ -90,7 +90,7 @@ _MEASURE = re.compile(r"(?P<name>[A-Za-z]+)\s*(?:\(\s*(?P<period>[^()]*?)\s*\))?
 class Measure:
     """An intensity measure of a motion.
 
-    name : one of MEASURES
+    name : one of INTENSITY_MEASURES
     period : of `sa` only, 0 where it is the swept one [s]
     """
 
@@ -105,7 +105,7 @@ def parse_measure(value: Any) -> Measure:
     """Return the measure in `pga`, `pgv`, `factor`, `sa` or `sa(0.5 s)`.  Raises PydanticCustomError."""
     match = _MEASURE.match(value.strip()) if isinstance(value, str) and len(value) < 60 else None
     name, period = match.groups() if match is not None else ("", None)
-    if name not in MEASURES or (period is not None and (name != "sa" or not written_unit(period))):
+    if name not in INTENSITY_MEASURES or (period is not None and (name != "sa" or not written_unit(period))):
         hint = "write pga, pgv, factor, ag of a target spectrum, or the pseudo-acceleration at a period, sa(0.5 s)"
         raise refuse(f"'{str(value)[:60]}' is not an intensity measure", hint)
     return Measure(name, 0.0 if period is None else _PERIOD.read(period))

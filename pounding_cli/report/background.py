@@ -35,7 +35,7 @@ _TITLES = {
 _COMMAND_OF_STUDY = {"screen": "gap"}
 """Command that wrote a file -> the command that takes the study in it, where that is another one."""
 
-STIFFNESS = "impact.stiffness"
+STIFFNESS_KEY = "impact.stiffness"
 
 ADVICE = (
     "Floor accelerations and link forces of floors that strike grow with the square root of the impact stiffness, "
@@ -98,7 +98,7 @@ def list_advice(results: ResultTables) -> list[str]:
     if results.assumed_heights:
         sentences.append(f"Heights of {', '.join(results.assumed_heights)}: 3 m, as the study writes no height.")
     sentences += describe_dashpots(results)
-    if STIFFNESS not in results.axes and len(results.struck_links()):
+    if STIFFNESS_KEY not in results.axes and len(results.struck_links()):
         sentences.append(ADVICE)
     return sentences
 

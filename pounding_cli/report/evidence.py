@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 MARK = "†"
 """Stands behind the name of a case whose numbers mean nothing for some motions."""
-MOST_CASES = 40
+MAX_PAGE_CASES = 40
 """Cases in the figures and on the page; the tables hold all."""
 
 _MAX_CHARACTERS_OF_NAMES = 300
@@ -134,9 +134,9 @@ class Evidence:
 
     @cached_property
     def plotted_cases(self) -> list[str]:
-        """The cases of the figures: `report: {plot: [..]}` of the study, else all of them; at most MOST_CASES."""
+        """The cases of the figures: `report: {plot: [..]}` of the study, else all of them; at most MAX_PAGE_CASES."""
         chosen = (self.results.study_data.get("report") or {}).get("plot") or self.cases
-        return [case for case in self.cases if case in chosen][:MOST_CASES]
+        return [case for case in self.cases if case in chosen][:MAX_PAGE_CASES]
 
     def values(self, name: str, **places: str) -> np.ndarray:
         """Return a variable here, over its dimensions but the swept axes and those whose `places` are given."""

@@ -284,7 +284,7 @@ WIDTH = 1.0
 """Width of a building, in units of the drawing."""
 SPACE = 0.35
 """Space between two buildings."""
-STOREY = 0.42
+SKETCH_STOREY = 0.42
 """Height of a mean storey."""
 KERB = 0.1
 """Least height of a wall."""
@@ -312,7 +312,7 @@ def draw_group(ax: Axes, evidence: Evidence, black: str, named: bool = False) ->
 
     are_many = len(evidence.group) >= MANY
     is_of_frame = evidence.buildings["building"].isin(evidence.buildings_without_walls)
-    scale = STOREY / float(evidence.buildings["height"][is_of_frame].mean())
+    scale = SKETCH_STOREY / float(evidence.buildings["height"][is_of_frame].mean())
     top = 0.0
     for place, name in enumerate(evidence.group):
         rows = evidence.buildings[evidence.buildings["building"] == name]

@@ -11,7 +11,7 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit
 from pounding_cli.records.motion import GRAVITY, Motion, displacement, husid, significant_duration, spectrum, velocity
 from pounding_cli.records.scaling import SpectrumMatch, TargetSpectrum
-from pounding_cli.report.style import FORMATS, drawn_as, finish, new_figure, with_style
+from pounding_cli.report.style import FIGURE_FORMATS, drawn_as, finish, new_figure, with_style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -26,8 +26,8 @@ def save_motion_figure(motion: Motion, title: str, path: Path) -> None:
     Raises InputError: another ending.
     """
     suffix = path.suffix.lower().lstrip(".")
-    if suffix not in FORMATS:
-        hint = f"end the name with one of .{', .'.join(FORMATS)}"
+    if suffix not in FIGURE_FORMATS:
+        hint = f"end the name with one of .{', .'.join(FIGURE_FORMATS)}"
         raise InputError(Problem(f"cannot draw a '{path.suffix}' file", hint, str(path)))
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_bytes(drawn_as(draw_motion(motion, title), suffix))

@@ -20,7 +20,7 @@ if TYPE_CHECKING:  # matplotlib is loaded when something is drawn
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-FORMATS = ("png", "svg", "pdf")
+FIGURE_FORMATS = ("png", "svg", "pdf")
 """Formats of figures."""
 USUAL = ("png", "svg")
 """Formats in which a report saves its figures."""
@@ -180,18 +180,18 @@ def shared_legend(figure: Figure, axes: Iterable[Axes], where: Any = "outside ri
     figure.legend(handles.values(), handles.keys(), loc=where, fontsize=8, ncols=columns)
 
 
-FILE = "file"
+IN_FILES = "file"
 PAPER = "paper"
 PAGE = "page"
 """Where a figure is drawn for: a file of its own, a paper, whose text has title and caption, or a page, which has them
 too and draws the group once."""
 
-_medium = ContextVar("medium", default=FILE)
+_medium = ContextVar("medium", default=IN_FILES)
 
 
 @contextmanager
 def drawing_for(medium: str) -> Iterator[None]:
-    """Draw the figures within for FILE, PAPER or PAGE."""
+    """Draw the figures within for IN_FILES, PAPER or PAGE."""
     token = _medium.set(medium)
     try:
         yield
@@ -212,7 +212,7 @@ def is_for_page() -> bool:
 def finish(figure: Figure, title: str, text: str = "") -> None:
     """Put the title above a figure and the caption below, wrapped to its width; only files of their own have them."""
     figure.set_label(text)
-    if _medium.get() != FILE:
+    if _medium.get() != IN_FILES:
         return
     wrapped_title = textwrap.fill(title, int(10 * figure.get_figwidth()))
     figure.suptitle(wrapped_title, x=0.015, ha="left", fontsize=11, fontweight="bold")
@@ -228,7 +228,7 @@ def save_figures(figures: Mapping[str, Figure], folder: Path, formats: Sequence[
     """
     files = []
     for name, figure in figures.items():
-        for suffix in FORMATS:
+        for suffix in FIGURE_FORMATS:
             path = folder / f"{to_file_name(name)}.{suffix}"
             if suffix in formats or path.exists():
                 files.append(path)

@@ -20,6 +20,7 @@ from pounding_cli.report.figures import CONTACT_SENTENCE, has_contacts, new_fram
 from pounding_cli.report.style import finish, looks, name_axis, with_style
 from pounding_cli.results.columns import column_of
 from pounding_cli.solver.flags import is_meaningless
+from pounding_cli.study.expression import CONTACT_QUANTITIES
 from pounding_cli.variables import RESPONSE_VARIABLES, VARIABLES
 
 if TYPE_CHECKING:
@@ -30,13 +31,11 @@ if TYPE_CHECKING:
 
 OF_SCENES = ("error_estimate", "sensitivity", "energy_residual", "steps", "events", "seconds")
 """Quantities of whole runs."""
-CONTACT_QUANTITIES = ("acceleration", "acceleration_ratio", "peak_force", "contact_time")
-"""Quantities that depend on the contact stiffness where floors strike."""
 PLACE_DIMS = ("storey", "floor", "line", "link")
 """Last dimensions of the quantities that can be drawn."""
 WORST = "worst"
 """Stands for a case or building: the largest value over all of them."""
-MOST_CASES = 6
+MAX_FIGURE_CASES = 6
 """Cases of one figure; further ones are drawn when they are chosen."""
 MOST_BUILDINGS = 6
 """Buildings that get a figure of their own; further ones do when they are chosen."""
@@ -208,7 +207,7 @@ def list_sweep_pictures(results: ResultTables, shown: Evidence, choice: SweepCho
     if is_chosen and not axes:
         message = "no swept key with two values is left to draw figures over"
         raise InputError(Problem(message, "leave one of the swept keys out of --where, or all options of the figures"))
-    kind, draw = ("map", draw_maps) if len(axes) == 2 else ("sweep", draw_curves)
+    kind, draw = ("map", draw_maps) if len(axes) == 2 else ("sweep", draw_sweep_curves)
     pictures: list[Picture] = []
     drawn: set[str] = set()
     for name, building, wanted in _iter_figures(shown, choice) if axes else ():
@@ -293,7 +292,7 @@ def _select_by_case(
 ) -> dict[str, xr.Dataset]:
     """Return a quantity by case; cases that have none of it are left out."""
     by_case = {}
-    for case in [places["case"]] if "case" in places else shown.plotted_cases[:MOST_CASES]:
+    for case in [places["case"]] if "case" in places else shown.plotted_cases[:MAX_FIGURE_CASES]:
         named = {name: place for name, place in {**places, "case": case}.items() if place != WORST}
         over = over_sweep(results, quantity, named, index)
         if np.isfinite(over["mean"]).any():
@@ -338,7 +337,7 @@ def _set_axis(ax: Axes, side: str, axis: SweptAxis, width: int, room: int = 80) 
 
 
 @with_style
-def draw_curves(shown: Evidence, building: str, axes: Sequence[SweptAxis], panels: Panels, words: str) -> Figure:
+def draw_sweep_curves(shown: Evidence, building: str, axes: Sequence[SweptAxis], panels: Panels, words: str) -> Figure:
     """Draw the mean over the motions with its spread over a swept axis, a line a case.
 
     building : filled in the drawing of the group

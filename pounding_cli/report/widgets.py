@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from pounding_cli.laws import is_damper, link_symbol
-from pounding_cli.report.evidence import MOST_CASES, Evidence, build_evidence, list_points
+from pounding_cli.report.evidence import MAX_PAGE_CASES, Evidence, build_evidence, list_points
 from pounding_cli.report.plans import PlanOutline, find_link_ends, has_plans, read_outlines
 from pounding_cli.report.style import looks, to_page_look
 from pounding_cli.report.sweep import SweptAxis, find_meaningless, list_swept_axes
@@ -42,7 +42,7 @@ def build_explorer_data(results: ResultTables, shown: Evidence) -> dict[str, Any
     count of motions whose numbers are not meaningful. `cut`: a sentence on what the page leaves out.
     """
     axes = list_swept_axes(results)
-    data = results.data.sel(case=shown.cases[:MOST_CASES])
+    data = results.data.sel(case=shown.cases[:MAX_PAGE_CASES])
     dims = [axis.keys[0] for axis in axes]
     motions = shown.names("record")
     arrays = _select_arrays(data)

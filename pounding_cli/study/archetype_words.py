@@ -61,8 +61,8 @@ class _Row(NamedTuple):
 def _iter_rows(study: Study, seen: Seen) -> Iterator[_Row]:
     """Yield the lines about a building that is only seen."""
     archetype = seen.archetype
-    building = study.resolved.types[seen.name].value_at(study.first_point)
-    spec = study.resolved.building_specs[seen.name].value_at(study.first_point)
+    building = study.parts.types[seen.name].value_at(study.first_point)
+    spec = study.parts.building_specs[seen.name].value_at(study.first_point)
     damping = f"{format_number(100 * spec.damping, 3)} %" if spec.rayleigh is None else "by `rayleigh`"
     yield _build_row(
         seen,

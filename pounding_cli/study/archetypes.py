@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from pydantic import TypeAdapter, ValidationError
 
-from pounding_cli.model.archetypes import DISTRIBUTION, TAPER, Archetype, draw_factors
+from pounding_cli.model.archetypes import FORCE_DISTRIBUTION, TAPER, Archetype, draw_factors
 from pounding_cli.study.archetype_spec import ArchetypeSpec
 from pounding_cli.study.file import Items, Map, Mark, get
 from pounding_cli.study.issues import IssuesFound
@@ -147,7 +147,10 @@ def fill_archetype(building: Any, name: str) -> Any:
         written = building.get("yield")
         beside = written if isinstance(written, Map) else Map({}, seen.mark)
         marks = {"base_shear": (seen.mark, seen.mark), "distribution": (seen.mark, seen.mark)} | beside.marks
-        put("yield", Map({"base_shear": values["strength"], "distribution": DISTRIBUTION} | beside, beside.mark, marks))
+        put(
+            "yield",
+            Map({"base_shear": values["strength"], "distribution": FORCE_DISTRIBUTION} | beside, beside.mark, marks),
+        )
     return filled
 
 

@@ -22,7 +22,7 @@ from pounding_cli.study.quantity import (
     PLAUSIBLE_RANGES,
     STIFFNESS,
     TIME,
-    WEIGHTS,
+    WEIGHT_FACTORS,
     ParsedText,
     Quantity,
     WholeNumber,
@@ -30,14 +30,12 @@ from pounding_cli.study.quantity import (
     refuse,
 )
 
-Ratio = Annotated[float, RATIO]
-
 # Buildings
 
 
 Zone = Annotated[float, Quantity("zone factor Z", "", "0.4", 0.0, 1.0, open_low=True)]
 Soil = Annotated[float, Quantity("soil factor S", "", "1.2", 1.0, 2.0)]
-Importance = Annotated[float, Quantity("importance factor I", "", "1", 0.5, 2.0)]
+DesignImportance = Annotated[float, Quantity("importance factor I", "", "1", 0.5, 2.0)]
 SystemRw = Annotated[float, Quantity("system factor Rw", "", "12", 1.0, 20.0)]
 SystemK = Annotated[float, Quantity("system factor K", "", "0.67", 0.0, 4.0, open_low=True)]
 Overstrength = Annotated[float, Quantity("overstrength", "", "2", 0.1, 20.0)]
@@ -49,7 +47,7 @@ class CodeSpec(Model):
     code: Literal["UBC-1985", "UBC-1988", "UBC-1991", "UBC-1994"] = spec_field("UBC-1991", "edition")
     zone: Zone = spec_field(0.4, "zone factor Z [-]; in UBC-1985 zone 4 has Z = 1 and the key must be given")
     soil: Soil = spec_field(1.2, "soil factor S [-]")
-    importance: Importance = spec_field(1.0, "importance factor I [-]")
+    importance: DesignImportance = spec_field(1.0, "importance factor I [-]")
     rw: SystemRw | None = spec_field(None, "system factor of UBC 1988 to 1994 [-]; default: 12", alias="Rw")
     k: SystemK | None = spec_field(None, "system factor of UBC 1985 [-]; must be given there", alias="K")
     overstrength: Overstrength = spec_field(1.0, "factor on the yield shears [-]; the separation is unchanged")
@@ -65,7 +63,7 @@ class CodeSpec(Model):
             yield (), "'zone' is missing: UBC-1985 needs it", "write Z, e.g. `zone: 1` for zone 4"
 
 
-_SHEAR = replace(PLAUSIBLE_RANGES["base yield shear over weight"], name="base shear", units=WEIGHTS)
+_SHEAR = replace(PLAUSIBLE_RANGES["base yield shear over weight"], name="base shear", units=WEIGHT_FACTORS)
 _COEFFICIENT = Quantity("base shear over weight V/W", "", "0.10 W", 1e-4, 10.0, usual=_SHEAR)
 
 
@@ -74,7 +72,7 @@ def _read_base_shear(value: Any) -> float:
 
 
 Coefficient = Annotated[float, ParsedText(_read_base_shear, "part of the weight W", ("0.10 W", 0.1), _COEFFICIENT)]
-Amplification = Annotated[float, Quantity("deflection amplification factor Cd", "", "5.5", 1.0, 10.0)]
+DeflectionAmplification = Annotated[float, Quantity("deflection amplification factor Cd", "", "5.5", 1.0, 10.0)]
 ImportanceIe = Annotated[float, Quantity("importance factor Ie", "", "1", 1.0, 2.0)]
 DisplacementBehaviourFactor = Annotated[float, Quantity("displacement behaviour factor q_d", "", "3.9", 1.0, 20.0)]
 DisplacementDuctility = Annotated[float, Quantity("displacement ductility factor mu_d", "", "3.9", 1.0, 50.0)]
@@ -89,7 +87,9 @@ class BaseShearSpec(Model):
         "triangular", "forces over the height: by w h, w, w h^2, w h^k of ASCE 7, or the UBC's with a force at the top"
     )
     overstrength: Overstrength = spec_field(1.0, "factor on the yield shears [-]")
-    cd: Amplification | None = spec_field(None, "amplification factor Cd of ASCE 7 [-], for `pound gap`", alias="Cd")
+    cd: DeflectionAmplification | None = spec_field(
+        None, "amplification factor Cd of ASCE 7 [-], for `pound gap`", alias="Cd"
+    )
     ie: ImportanceIe | None = spec_field(
         None, "importance factor Ie of ASCE 7, I of TBDY 2018 [-], for `pound gap`", alias="Ie"
     )

@@ -11,9 +11,9 @@ from pounding_cli.laws.pounding import damping_ratio, restitution_from_damping
 from pounding_cli.study.issues import Issue, IssuesFound, KeyPath
 from pounding_cli.study.link_names import Names
 from pounding_cli.study.link_specs import (
+    LINK_PLACE_KEYS,
     LOSSES,
     NO_LINK,
-    PLACES,
     POUNDING,
     SHARED_KEYS,
     LinkSpec,
@@ -25,7 +25,7 @@ from pounding_cli.study.link_specs import (
     own_parameters,
 )
 
-RESTITUTION = 0.5
+DEFAULT_RESTITUTION = 0.5
 """Coefficient of restitution where neither a link nor `impact` gives one or a damping ratio [-]."""
 
 
@@ -145,7 +145,7 @@ def refuse_key(key: str, title: str, keys: Iterable[str]) -> tuple[str, str]:
     title : of the law; keys : that it takes
     """
     owners = [law.name for law in link_laws().values() if key in link_keys(law)]
-    takes = ", ".join(each for each in keys if each not in PLACES)
+    takes = ", ".join(each for each in keys if each not in LINK_PLACE_KEYS)
     hint = f"remove it: {title} takes {takes or 'none'}; it belongs to {', '.join(owners)}"
     return f"'{key}' does not apply to link: {title}", hint
 
@@ -173,7 +173,7 @@ def _find_idle_keys(link: CompleteLink) -> list[Issue]:
     keys = _keys_of_law(link.law)
     issues = []
     ordered = [key for key in type(link.spec).model_fields if key in keys]
-    for key in link.spec.model_fields_set - {*PLACES} - keys:
+    for key in link.spec.model_fields_set - {*LINK_PLACE_KEYS} - keys:
         issues.append(Issue((*link.path, key), *refuse_key(key, link.title, ordered), at_key=True))
     ratio = link.values.get("damping_ratio")
     if law is not None and ratio is not None and {*LOSSES} & law.parameters().keys() == {"restitution"}:
@@ -201,7 +201,7 @@ def _find_unknown_words(link: CompleteLink) -> list[Issue]:
 def find_losses(values: Mapping[str, Any], law: Any) -> dict[str, float]:
     """Return damping ratio and coefficient of restitution of a link [-]: one is given, the other follows from it.
 
-    Empty for a law that takes neither. What gives neither has that of a restitution of RESTITUTION.
+    Empty for a law that takes neither. What gives neither has that of a restitution of DEFAULT_RESTITUTION.
     """
     ratio = values.get("damping_ratio")
     restitution = values.get("restitution")
@@ -210,5 +210,5 @@ def find_losses(values: Mapping[str, Any], law: Any) -> dict[str, float]:
     if restitution is None:
         if not link_keys(law) & {*LOSSES}:
             return {}
-        restitution = RESTITUTION
+        restitution = DEFAULT_RESTITUTION
     return {"damping_ratio": damping_ratio(restitution) + 0.0, "restitution": restitution}  # no negative zero at e = 1

@@ -16,7 +16,7 @@ from pydantic import BaseModel
 from pounding_cli.errors import Problem
 from pounding_cli.study.file import Mark, Problems, get, locate
 from pounding_cli.study.issues import KeyPath
-from pounding_cli.study.quantity import NUMBER, ParsedText, PlausibleRange, Quantity, lacks_unit
+from pounding_cli.study.quantity import NUMBER_PATTERN, ParsedText, PlausibleRange, Quantity, lacks_unit
 from pounding_cli.study.words import fields_of, leaf_types
 from pounding_cli.units import GRAVITY
 
@@ -27,7 +27,7 @@ MIN_IN_CM = 0.1
 """Smallest number without a unit that may have been a gap in cm: of gaps in m hardly one is as wide."""
 
 AS_MEANT = "the study runs as it is"
-_NUMBER_AND_UNIT = re.compile(rf"\s*({NUMBER})\s*(.*?)\s*\Z")
+_NUMBER_AND_UNIT = re.compile(rf"\s*({NUMBER_PATTERN})\s*(.*?)\s*\Z")
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ class Doubts:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class RelativeRange:
     """The plausible range of values of a key, beside something else.
 
     fits : plausible range of value * share
@@ -116,7 +116,7 @@ def warn_values(
     root: Any,
     path: KeyPath,
     doubts: Doubts,
-    compared: Mapping[str, Comparison] | None = None,
+    compared: Mapping[str, RelativeRange] | None = None,
     skip: Sequence[str] = (),
 ) -> None:
     """Note values that a validated mapping, or one below it, gives and that are implausible or have no unit.
@@ -169,7 +169,7 @@ def warn_value(
     path: KeyPath,
     of: KeyPath,
     doubts: Doubts,
-    compared: Comparison | None = None,
+    compared: RelativeRange | None = None,
 ) -> None:
     """Note a value that is implausible or has no unit, with what may have been meant.
 

@@ -41,6 +41,9 @@ LINE = _find_units(variables.LINE_DIMS)
 QUANTITIES = STOREY | FLOOR | LINK
 """SI unit of every quantity that an expression may name, by its name in the tables."""
 
+CONTACT_QUANTITIES = ("acceleration", "acceleration_ratio", "peak_force", "contact_time")
+"""Quantities that depend on the contact stiffness where floors strike."""
+
 TWISTING = {variable.name for variable in variables.TWIST_VARIABLES}
 """Variables that studies without plans do not have."""
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic_core import PydanticCustomError
 
-from pounding_cli.study.quantity import LENGTH, LONGEST, NUMBER, Quantity, ValueParser, quote, refuse
+from pounding_cli.study.quantity import LENGTH, LONGEST, NUMBER_PATTERN, Quantity, ValueParser, quote, refuse
 
 MAX_FLOOR = 100
 """Highest floor that a link may name."""
@@ -73,7 +73,7 @@ def parse_floor_place(value: Any) -> FloorPlace:
     height = match[2]
     if height is None:
         return FloorPlace(floor)
-    if re.fullmatch(NUMBER, height):
+    if re.fullmatch(NUMBER_PATTERN, height):
         raise refuse(f"{quote(value)}: the height above the floor has no unit", f"write e.g. `{value} m`, `{value} %`")
     quantity = _SHARE if height.endswith("%") else _ABOVE
     try:

@@ -19,7 +19,7 @@ from pounding_cli.study.quantity import StoreyMultiple
 
 MAX_IN_GROUP = 20
 
-COLUMNS = (
+COLUMNS_HINT = (
     "or write `columns:`, what part of a storey's stiffness and yield shear the columns have that the other's slab "
     "strikes, e.g. `columns: 20 %`"
 )
@@ -128,7 +128,8 @@ def check_meetings(group: Group, linked_pairs: Collection[int] = ()) -> Group:
         elif not (walls or meeting.floors or meeting.strikes or place in linked_pairs):
             levels = (join_limited(f"{elevation:g}" for elevation in each.elevation) for each in pair)
             message = f"{names} have no floor at one elevation: {' against '.join(levels)} m"
-            hint = f"let the storey heights agree somewhere; {COLUMNS}; or name both ends of links, `floors: [[2, 3]]`"
+            hint = f"let the storey heights agree somewhere; {COLUMNS_HINT}; "
+            hint += "or name both ends of links, `floors: [[2, 3]]`"
             issues.append(Issue(("group", place + 1), message, hint))
     for place, building in enumerate(group.buildings):
         if isinstance(building, Wall) and not any(
@@ -164,7 +165,7 @@ def find_ignored_blows(group: Group) -> list[Issue]:
             struck = " and ".join(sorted({pair[strike.side].name for strike in unknown}))
             where = f"meet at {pluralize(len(floors), 'floor')} only" if floors else "meet at no floor"
             message = f"{pair[0].name} and {pair[1].name} {where}: blows on columns are left out of {slabs}"
-            hint = f"give both the same `height:`, a `slab:` thick enough to meet, {COLUMNS} in {struck}"
+            hint = f"give both the same `height:`, a `slab:` thick enough to meet, {COLUMNS_HINT} in {struck}"
             hint += "; `columns: none` where walls stand there"
             issues.append(Issue(("group", place + 1), message, hint))
     return issues

@@ -54,13 +54,14 @@ SHARED = ("gap", "stiffness", *LOSSES, "tension_cut")
 MAX_PAIR = 19
 """Largest number of a pair of neighbours."""
 
-PLACES = ("link", "floors", "pair", "at", "distance", "places", "shares")
+LINK_PLACE_KEYS = ("link", "floors", "pair", "at", "distance", "places", "shares")
 """Keys that say which link it is and where it stands."""
 
 _DERIVED = {"link": (*SHARED, "impact_stiffness", "dashpot"), "storey": ("stiffness", "yield_shear", "hardening")}
 """Parameters of laws that are no keys of their own in a study, by what the law acts on."""
 
 RATIO = Quantity("damping ratio", "", "5 %", 0.0, 1.0, open_high=True)
+Ratio = Annotated[float, RATIO]
 RESTITUTION = Quantity("coefficient of restitution", "", "0.5", 0.0, 1.0, open_low=True)
 SHARED_KEYS: dict[str, tuple[Any, Any]] = {
     "gap": (

@@ -16,8 +16,8 @@ from pounding_cli.numbers import join_limited
 from pounding_cli.study.complete_links import CompleteLink
 from pounding_cli.study.doubts import (
     AS_MEANT,
-    Comparison,
     Doubts,
+    RelativeRange,
     find_text,
     format_value,
     lacks_its_unit,
@@ -30,7 +30,7 @@ from pounding_cli.study.group import Group
 from pounding_cli.study.issues import KeyPath
 from pounding_cli.study.link_places import build_ends
 from pounding_cli.study.link_specs import ImpactSpec
-from pounding_cli.study.quantity import FORCES, PLAUSIBLE_RANGES, Quantity
+from pounding_cli.study.quantity import FORCE_FACTORS, PLAUSIBLE_RANGES, Quantity
 from pounding_cli.units import GRAVITY
 
 
@@ -152,15 +152,15 @@ def _takes_impact_stiffness(law: LinkLaw, link: CompleteLink) -> bool:
     return "stiffness" in takes and not law.stiffness_default and "stiffness" not in link.values
 
 
-def _compare_contact(group: Group) -> Comparison:
+def _compare_contact(group: Group) -> RelativeRange:
     """Return what the spring of a contact is compared with."""
     than = "times that of the stiffest storey"
-    return Comparison(
+    return RelativeRange(
         PLAUSIBLE_RANGES["contact stiffness"], 1 / _stiffest_storey(group), "stiffness of the contact", than
     )
 
 
-def _compare_link(law: LinkLaw, group: Group) -> dict[str, Comparison]:
+def _compare_link(law: LinkLaw, group: Group) -> dict[str, RelativeRange]:
     """Return what the parameters of a link are compared with: stiffnesses with a storey's, forces with weights."""
     stiffest = _stiffest_storey(group)
     weight = GRAVITY * max(float(each.mass.max()) for each in _frames(group))
@@ -170,27 +170,27 @@ def _compare_link(law: LinkLaw, group: Group) -> dict[str, Comparison]:
         found["stiffness"] = _compare_contact(group)
         if law.stiffness_default:
             than = "times that of the stiffest storey"
-            found["stiffness"] = Comparison(
+            found["stiffness"] = RelativeRange(
                 PLAUSIBLE_RANGES["link stiffness"], 1 / stiffest, "stiffness of the link", than
             )
     if "hertz_stiffness" in parameters:
         share = law.max_slopes[0] / law.hertz_stiffness / stiffest  # type: ignore[attr-defined]
         than = "times as stiff at 1 cm of penetration as the stiffest storey"
         fits = PLAUSIBLE_RANGES["stiffness of a Hertz contact"]
-        found["hertz_stiffness"] = Comparison(fits, share, "hertz_stiffness", than)
+        found["hertz_stiffness"] = RelativeRange(fits, share, "hertz_stiffness", than)
     force = PLAUSIBLE_RANGES["force of a damper"]
     for key in ("damping_coefficient", "force_at_1_m_s"):
         if key in parameters:
             than = "times the weight of the heaviest floor at 1 m/s"
-            found[key] = Comparison(replace(force, units=DAMPER_UNITS[key]), 1 / weight, key, than)
+            found[key] = RelativeRange(replace(force, units=DAMPER_UNITS[key]), 1 / weight, key, than)
     if "slip_force" in parameters:
-        found["slip_force"] = Comparison(force, 1 / weight, "slip_force", "times the weight of the heaviest floor")
+        found["slip_force"] = RelativeRange(force, 1 / weight, "slip_force", "times the weight of the heaviest floor")
     return found
 
 
 DAMPER_UNITS: dict[str, Mapping[str, float]] = {
     "damping_coefficient": {"kN s/m": 1e3, "MN s/m": 1e6, "N s/m": 1.0},
-    "force_at_1_m_s": FORCES,
+    "force_at_1_m_s": FORCE_FACTORS,
 }
 """Units in which people write the parameters of dampers."""
 
@@ -205,7 +205,7 @@ def _stiffest_storey(group: Group) -> float:
     return max(float(each.stiffness.max()) for each in _frames(group))
 
 
-def _warn_compared(value: float, root: Any, path: KeyPath, compared: Comparison, doubts: Doubts) -> None:
+def _warn_compared(value: float, root: Any, path: KeyPath, compared: RelativeRange, doubts: Doubts) -> None:
     """Note a stiffness of a link that has no unit, or is implausible beside a storey's."""
     text = find_text(root, path)
     is_bare = doubts.needs_units and lacks_its_unit(text, BARE_STIFFNESS)

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 DIGEST_SIZE = 32
 """Bytes of a SHA-256 digest."""
 
-RowFilter = Callable[[Point, str, Analysis, str], bool]
+PlanFilter = Callable[[Point, str, Analysis, str], bool]
 """row_filter(point, case, analysis, record) -> whether the scenes of a row are wanted."""
 
 
@@ -64,7 +64,7 @@ class Links:
     right_arm: np.ndarray
 
 
-class Row(NamedTuple):
+class PlanRow(NamedTuple):
     """A row of the tables: its index on every axis, its names, the number of its scene."""
 
     point: tuple[int, ...]
@@ -108,7 +108,7 @@ class Plan:
     time_step: float | None = None
     estimate: str = "none"
     harder: bool = False
-    kept: tuple[Row, ...] = ()
+    kept: tuple[PlanRow, ...] = ()
     every: float = 0.002
 
     def __len__(self) -> int:
@@ -141,11 +141,11 @@ class Plan:
         """A scene by number."""
         return next(self.scenes(np.array([number])))
 
-    def row(self, number: int) -> Row:
+    def row(self, number: int) -> PlanRow:
         """A row by its flat number."""
         *point, case, analysis, record = map(int, np.unravel_index(number, self.shape))
         scene = int(self.numbers[(*point, case, analysis, record, 0)])
-        return Row(tuple(point), self.cases[case], self.analyses[analysis], self.records[record], scene)
+        return PlanRow(tuple(point), self.cases[case], self.analyses[analysis], self.records[record], scene)
 
     def display_values(self, point: tuple[int, ...]) -> dict[str, str]:
         """Return the swept values at a point, by key, in the units of the study."""
@@ -156,37 +156,37 @@ class Plan:
         }
 
 
-def make_plan(study: Study, resolved: StudyParts | None = None, row_filter: RowFilter | None = None) -> Plan:
+def make_plan(study: Study, parts: StudyParts | None = None, row_filter: PlanFilter | None = None) -> Plan:
     """Return the plan of a study.
 
     Parameters
     ----------
-    resolved : in place of the parts of the study, such as other links
+    parts : in place of the parts of the study, such as other links
     row_filter : which rows have scenes; all unless given
 
     Raises
     ------
     InputError : the histories that are kept would take too much memory
     """
-    planner = _Planner(study, study.resolved if resolved is None else resolved)
+    planner = _Planner(study, study.parts if parts is None else parts)
     return planner.build_plan(row_filter)
 
 
 class _Planner:
     """One study being planned; it stays with the plan, to build scenes when they are asked for."""
 
-    def __init__(self, study: Study, resolved: StudyParts) -> None:
+    def __init__(self, study: Study, parts: StudyParts) -> None:
         self.study = study
-        self.resolved = resolved
+        self.parts = parts
         self.cases = tuple(study.spec.cases)
         self.records = tuple(study.motion_uses(study.first_point))
         self.analyses = tuple(map(Analysis, study.spec.analyses))
         self.sizes = tuple(len(axis) for axis in study.axes)
         self.wants_residual_drift = study.wants_residual_drift
-        self.suffixes = sweep_map(self.list_suffixes, resolved.suite, resolved.tail)
+        self.suffixes = sweep_map(self.list_suffixes, parts.suite, parts.tail)
         self.content = bytearray()  # digests of scenes as they are found, one behind the other
 
-    def build_plan(self, row_filter: RowFilter | None) -> Plan:
+    def build_plan(self, row_filter: PlanFilter | None) -> Plan:
         """Return the plan."""
         study = self.study
         spec = study.spec
@@ -196,13 +196,13 @@ class _Planner:
         for place, case in enumerate(self.cases):
             begun = sweep_map(
                 lambda group, links: Digests(drop_plans(group.buildings, links), links),
-                self.resolved.group,
-                self.resolved.links[case],
+                self.parts.group,
+                self.parts.links[case],
             )
             numbers[..., place, :, :, 0] = self.number_scenes(begun)
-            divided_rows[..., place, :, :] = self.find_divided(self.resolved.links[case])
+            divided_rows[..., place, :, :] = self.find_divided(self.parts.links[case])
         for place, name in enumerate(spec.group):
-            alone = self.number_scenes(sweep_map(_begin_alone, self.resolved.types[name]))
+            alone = self.number_scenes(sweep_map(_begin_alone, self.parts.types[name]))
             numbers[..., 1 + place] = alone[..., None, :, :]
         if row_filter is not None:
             points = product(*map(range, self.sizes))
@@ -222,7 +222,7 @@ class _Planner:
             buildings=unique_names(spec.group),
             digests=digests,
             numbers=numbers,
-            links=_build_table(self.resolved.group, [self.resolved.links[case] for case in self.cases], self.sizes),
+            links=_build_table(self.parts.group, [self.parts.links[case] for case in self.cases], self.sizes),
             divided=divided[:-1],
             build=self.build_scene,
             accuracy=spec.accuracy,
@@ -257,7 +257,7 @@ class _Planner:
 
         Shape: points of every axis (1 where this does not depend on it), 1, 1.
         """
-        found = sweep_map(lambda group, of_case: is_divided(group.buildings, of_case), self.resolved.group, links)
+        found = sweep_map(lambda group, of_case: is_divided(group.buildings, of_case), self.parts.group, links)
         sizes = [size if axis in found.axes else 1 for axis, size in enumerate(self.sizes)]
         return found.values.astype(bool).reshape(*sizes, 1, 1)
 
@@ -266,13 +266,13 @@ class _Planner:
         shape = (*self.sizes, len(self.cases), len(self.analyses), len(self.records))
         *point, case, analysis, record = map(int, np.unravel_index(row, shape))
         at = tuple(point)
-        links = self.resolved.links[self.cases[case]].value_at(at)
+        links = self.parts.links[self.cases[case]].value_at(at)
         return Scene(
-            drop_plans(self.resolved.group.value_at(at).buildings, links),
+            drop_plans(self.parts.group.value_at(at).buildings, links),
             links,
             self.study.motion(at, self.records[record]),
             self.analyses[analysis],
-            self.resolved.tail.value_at(at),
+            self.parts.tail.value_at(at),
             self.wants_residual_drift,
         )
 
@@ -282,7 +282,7 @@ def _begin_alone(building: Building) -> Digests:
     return Digests(drop_plans((building,), ()), ())
 
 
-ABSENT: dict[str, Any] = {
+ABSENT_LINK: dict[str, Any] = {
     "order": np.int16(-1), "kind": np.array("", object), "gap": np.nan, "left_at": np.nan, "right_at": np.nan,
     "inclination": np.nan, "facing": np.nan, "street": np.nan, "left_arm": np.nan, "right_arm": np.nan,
 }  # fmt: skip
@@ -299,14 +299,14 @@ def _build_table(group: Swept[Group], cases: list[Swept[tuple[Link, ...]]], size
     different = [rows for by_case in rows_by_case for _, rows in by_case.iter_values()]
     columns = tuple(sorted({place for rows in different for place, _ in rows}))
     number = {place: column for column, place in enumerate(columns)}
-    table = {name: np.full((*sizes, len(cases), len(columns)), value) for name, value in ABSENT.items()}
+    table = {name: np.full((*sizes, len(cases), len(columns)), value) for name, value in ABSENT_LINK.items()}
     for case, swept in enumerate(rows_by_case):
         flat = list(swept.values.flat)
         points = [point for point, rows in enumerate(flat) for _ in rows]
         where = points, [number[place] for rows in flat for place, _ in rows]
         shape = [size if axis in swept.axes else 1 for axis, size in enumerate(sizes)]
         for name, array in table.items():
-            values = np.full((len(flat), len(columns)), ABSENT[name])
+            values = np.full((len(flat), len(columns)), ABSENT_LINK[name])
             values[where] = [facts[name] for rows in flat for _, facts in rows]
             array[..., case, :] = values.reshape(*shape, -1)
     return Links(columns, **table)

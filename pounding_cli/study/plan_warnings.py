@@ -125,8 +125,8 @@ def warn_missing_accidental(study: Study, notes: Problems) -> None:
         return
     names = []
     for name in dict.fromkeys(study.spec.group):
-        building = study.resolved.types[name].value_at(study.first_point)
-        has_displacements = bool(study.resolved.displacements(name).value_at(study.first_point))
+        building = study.parts.types[name].value_at(study.first_point)
+        has_displacements = bool(study.parts.displacements(name).value_at(study.first_point))
         if has_displacements and needs_plan(building) and not _has_accidental(study, name):
             names.append(name)
     if names:
@@ -140,7 +140,7 @@ def warn_missing_accidental(study: Study, notes: Problems) -> None:
 
 def _has_accidental(study: Study, name: str) -> bool:
     """Return whether the centres of mass of a building move off at some point of the sweep."""
-    specs = (spec for _, spec in study.resolved.building_specs[name].iter_values())
+    specs = (spec for _, spec in study.parts.building_specs[name].iter_values())
     return any(spec.plan is not None and spec.plan.accidental for spec in specs)
 
 
@@ -149,7 +149,7 @@ def warn_shift_without_effect(study: Study, notes: Problems) -> None:
     with_plans = [
         name
         for name in study.spec.group
-        if any(spec.plan is not None for _, spec in study.resolved.building_specs[name].iter_values())
+        if any(spec.plan is not None for _, spec in study.parts.building_specs[name].iter_values())
     ]
     cases = study.spec.cases.items()
     has_places = any(link.places is not None for case in cases for link, _ in list_links(*case))
@@ -159,7 +159,7 @@ def warn_shift_without_effect(study: Study, notes: Problems) -> None:
     key = f"buildings.{name}.plan.shift"
     varied: list[KeyPath] = [("sweep",), ("uncertain",), ("optimise", "over")]
     paths = [(*section, key) for section in varied if key in (get(study.tree, *section) or ())]
-    if any(spec.plan is not None and spec.plan.shift for _, spec in study.resolved.building_specs[name].iter_values()):
+    if any(spec.plan is not None and spec.plan.shift for _, spec in study.parts.building_specs[name].iter_values()):
         paths.append(("buildings", name, "plan", "shift"))
     if paths:
         message = f"`shift` of {name} has no effect: no other building has a plan, so each is as wide as {name}, "

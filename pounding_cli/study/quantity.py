@@ -13,15 +13,15 @@ from pydantic_core import PydanticCustomError, core_schema
 
 from pounding_cli.units import GRAVITY, KNOWN_UNITS, Dimension, find_unit_factor, parse_unit
 
-LENGTHS = {"cm": 1e-2, "mm": 1e-3, "m": 1.0}
-MASSES = {"t": 1e3, "kg": 1.0}
-TIMES = {"s": 1.0, "ms": 1e-3}
-FORCES = {"kN": 1e3, "MN": 1e6, "N": 1.0}
-WEIGHTS = {"W": 1.0, "%": 0.01}
-STIFFNESSES = {"kN/mm": 1e6, "kN/m": 1e3, "MN/mm": 1e9, "N/m": 1.0}
-HERTZ_STIFFNESSES = {"kN/m^1.5": 1e3, "kN/mm^1.5": 1e3 * 1000**1.5, "N/mm^1.5": 1000**1.5, "N/m^1.5": 1.0}
-VELOCITIES = {"cm/s": 0.01, "m/s": 1.0}
-ACCELERATIONS = {"g": GRAVITY, "m/s2": 1.0}
+LENGTH_FACTORS = {"cm": 1e-2, "mm": 1e-3, "m": 1.0}
+MASS_FACTORS = {"t": 1e3, "kg": 1.0}
+TIME_FACTORS = {"s": 1.0, "ms": 1e-3}
+FORCE_FACTORS = {"kN": 1e3, "MN": 1e6, "N": 1.0}
+WEIGHT_FACTORS = {"W": 1.0, "%": 0.01}
+STIFFNESS_FACTORS = {"kN/mm": 1e6, "kN/m": 1e3, "MN/mm": 1e9, "N/m": 1.0}
+HERTZ_STIFFNESS_FACTORS = {"kN/m^1.5": 1e3, "kN/mm^1.5": 1e3 * 1000**1.5, "N/mm^1.5": 1000**1.5, "N/m^1.5": 1.0}
+VELOCITY_FACTORS = {"cm/s": 0.01, "m/s": 1.0}
+ACCELERATION_FACTORS = {"g": GRAVITY, "m/s2": 1.0}
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,41 +56,50 @@ class PlausibleRange:
 
 _PASSING = "floors pass through each other where a contact is softer than storeys; studies take 5 to 1000 times"
 _RANGES = (
-    (1e-4, 1.0, LENGTHS, "gap", "gaps are millimetres to decimetres; the largest a code asks for is near 1 m"),
-    (5e3, 1e7, MASSES, "floor mass", "floors weigh 0.5 to 1.5 t a square metre: 5 t is a shed, 10000 t a whole block"),
-    (2.0, 12.0, LENGTHS, "storey height", "people stand in a storey; halls and lobbies reach 12 m"),
-    (3.0, 200.0, LENGTHS, "size of a plan", "floors measure 3 to 200 m from one joint to the next"),
-    (0.02, 10.0, TIMES, "period", "the tallest buildings there are have about 10 s"),
-    (0.02, 0.5, TIMES, "period of a storey", "frames and walls have 0.05 to 0.2 s a storey"),
+    (1e-4, 1.0, LENGTH_FACTORS, "gap", "gaps are millimetres to decimetres; the largest a code asks for is near 1 m"),
+    (
+        5e3, 1e7, MASS_FACTORS, "floor mass",
+        "floors weigh 0.5 to 1.5 t a square metre: 5 t is a shed, 10000 t a whole block",
+    ),
+    (2.0, 12.0, LENGTH_FACTORS, "storey height", "people stand in a storey; halls and lobbies reach 12 m"),
+    (3.0, 200.0, LENGTH_FACTORS, "size of a plan", "floors measure 3 to 200 m from one joint to the next"),
+    (0.02, 10.0, TIME_FACTORS, "period", "the tallest buildings there are have about 10 s"),
+    (0.02, 0.5, TIME_FACTORS, "period of a storey", "frames and walls have 0.05 to 0.2 s a storey"),
     (0.006, 0.3, {"%": 0.01}, "damping ratio", "structures have 1 to 10 % of critical; dampers reach 30 %"),
-    (0.005, 3.0, FORCES, "base yield shear over weight", "codes design for 2 to 30 %, 100 % with overstrength"),
-    (3e-4, 1e4, STIFFNESSES, "link stiffness", "far below that of a storey a link does nothing, far above it is rigid"),
-    (1.0, 1e4, STIFFNESSES, "contact stiffness", _PASSING),
-    (0.1, 1e4, HERTZ_STIFFNESSES, "stiffness of a Hertz contact", _PASSING),
-    (2e-3, 100.0, FORCES, "force of a damper", "far below a floor's weight it does nothing, far above it is rigid"),
-    (0.0, 10.0, TIMES, "period on a moving base", "isolated buildings have 2 to 5 s"),
-    (0.005, 5.0, VELOCITIES, "peak velocity asked for", "damage begins near 5 cm/s, recorded peaks reach 3 m/s"),
+    (0.005, 3.0, FORCE_FACTORS, "base yield shear over weight", "codes design for 2 to 30 %, 100 % with overstrength"),
+    (
+        3e-4, 1e4, STIFFNESS_FACTORS, "link stiffness",
+        "far below that of a storey a link does nothing, far above it is rigid",
+    ),
+    (1.0, 1e4, STIFFNESS_FACTORS, "contact stiffness", _PASSING),
+    (0.1, 1e4, HERTZ_STIFFNESS_FACTORS, "stiffness of a Hertz contact", _PASSING),
+    (
+        2e-3, 100.0, FORCE_FACTORS, "force of a damper",
+        "far below a floor's weight it does nothing, far above it is rigid",
+    ),
+    (0.0, 10.0, TIME_FACTORS, "period on a moving base", "isolated buildings have 2 to 5 s"),
+    (0.005, 5.0, VELOCITY_FACTORS, "peak velocity asked for", "damage begins near 5 cm/s, recorded peaks reach 3 m/s"),
     (1e8, 3e11, {"GPa": 1e9, "MPa": 1e6}, "modulus", "concrete has 20 to 45 GPa, masonry 1 GPa, steel 210 GPa"),
     (100.0, 2e4, {"kg/m3": 1.0, "t/m3": 1e3}, "density", "concrete has 2500 kg/m3, steel 7850 kg/m3"),
     (0.01, 10.0, {"m/s": 1.0, "cm/s": 0.01}, "speed of a blow", "floors strike with 0.1 to 2 m/s"),
     (
-        0.01 * GRAVITY, 3 * GRAVITY, ACCELERATIONS, "peak asked for",
+        0.01 * GRAVITY, 3 * GRAVITY, ACCELERATION_FACTORS, "peak asked for",
         "damage begins near 0.05 g, recorded peaks reach 3 g",
     ),
     (
-        0.01 * GRAVITY, 3 * GRAVITY, ACCELERATIONS, "acceleration of a code's spectrum",
+        0.01 * GRAVITY, 3 * GRAVITY, ACCELERATION_FACTORS, "acceleration of a code's spectrum",
         "maps of codes have 0.02 to 0.6 g on rock, and ordinates up to 3 g",
     ),
     (
-        0.001 * GRAVITY, 5 * GRAVITY, ACCELERATIONS, "peak of a motion",
+        0.001 * GRAVITY, 5 * GRAVITY, ACCELERATION_FACTORS, "peak of a motion",
         "few motions were ever recorded with more than 2 g; below 0.001 g they are not felt",
     ),
 )  # fmt: skip
 PLAUSIBLE_RANGES = {name: PlausibleRange(low, high, reason, units, name) for low, high, units, name, reason in _RANGES}
 """What is plausible, one row a quantity."""
 
-NUMBER = r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?"
-_QUANTITY = re.compile(rf"({NUMBER})(?:\s*/\s*({NUMBER}))?\s*([A-Za-zµ°%].*)?\Z")
+NUMBER_PATTERN = r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?"
+_QUANTITY = re.compile(rf"({NUMBER_PATTERN})(?:\s*/\s*({NUMBER_PATTERN}))?\s*([A-Za-zµ°%].*)?\Z")
 _COMMA = re.compile(r"([-+]?[0-9]{1,15}),([0-9]{1,15})((?: ?[A-Za-z%][^,]*)?)\Z")
 BOTH_SIGNS = re.compile(r"\s*(?:\+\s*/?\s*-|±)\s*([0-9.].*?)\s*\Z")
 """A size to both sides of zero: `+-5 %`."""
@@ -343,7 +352,7 @@ class StoreyMultiple:
 
 
 _RULE = re.compile(
-    rf"\s*(?:(?P<top>{NUMBER})\s*(?:/\s*(?P<bottom>{NUMBER}))?\s*(?P<percent>%)?\s*(?:x|X|×|\*|times)?\s*)?"
+    rf"\s*(?:(?P<top>{NUMBER_PATTERN})\s*(?:/\s*(?P<bottom>{NUMBER_PATTERN}))?\s*(?P<percent>%)?\s*(?:x|X|×|\*|times)?\s*)?"
     r"(?:the\s+)?(?P<which>stiffest|mean|average)\s+store?y(?:\s+of\s+(?:the\s+)?(?P<building>\S.*?))?\s*\Z"
 )
 

@@ -25,7 +25,7 @@ from pounding_cli.records.sines import Sine
 from pounding_cli.records.units import ACCELERATION_UNITS, find_acceleration_unit
 from pounding_cli.study.base import LabelText, Model, SpecIssue, errors, spec_field, tagged_union
 from pounding_cli.study.file import nearest
-from pounding_cli.study.link_specs import RATIO
+from pounding_cli.study.link_specs import Ratio
 from pounding_cli.study.quantity import ACCELERATION, PLAUSIBLE_RANGES, TIME, Quantity, WholeNumber, quote, refuse
 
 
@@ -49,8 +49,7 @@ Ramp = Annotated[float, Quantity("number of cycles", "", "20", 0.0, 10000.0)]
 TimeStep = Annotated[float, TIME.replace(name="time step", example="0.01 s")]
 Window = Annotated[float | str, TIME.replace(name="window", example="10 s", words=("duration", "table1", "whole"))]
 Duration = Annotated[float | str, TIME.replace(name="duration", example="10 s", words=("auto", "table1", "whole"))]
-Ratio = Annotated[float, RATIO]
-Part = Annotated[float, Quantity("part of the target", "", "90 %", 0.0, 2.0, open_low=True)]
+TargetPart = Annotated[float, Quantity("part of the target", "", "90 %", 0.0, 2.0, open_low=True)]
 
 
 _Format = Literal["at2", "cosmos", "csmip", "smc", "knet", "esm", "geonet", "asa", "two-column", "column", "table"]
@@ -186,8 +185,8 @@ def _read_once_each(points: Any, read: Any) -> Any:
 
 _ORDINATE = PLAUSIBLE_RANGES["acceleration of a code's spectrum"]
 CodeAcceleration = Annotated[float, ACCELERATION.replace(name="acceleration of a code's spectrum", usual=_ORDINATE)]
-Importance = Annotated[float, Quantity("importance factor", "", "1.2", 0.5, 2.0)]
-Amplification = Annotated[float, Quantity("amplification F0", "", "2.5", 2.2, 5.0)]
+SpectrumImportance = Annotated[float, Quantity("importance factor", "", "1.2", 0.5, 2.0)]
+SpectrumAmplification = Annotated[float, Quantity("amplification F0", "", "2.5", 2.2, 5.0)]
 """NTC 2018, 3.2: F0 is at least 2.2."""
 CornerPeriod = Annotated[float, TIME.replace(name="corner period", example="0.35 s", low=0.05, open_low=False, high=1)]
 LongPeriod = Annotated[float, TIME.replace(name="transition period", example="8 s", low=1, open_low=False, high=20)]
@@ -232,7 +231,7 @@ class En1998Spec(CodeTargetSpec):
     )
     soil: Literal[tuple(dict.fromkeys(soil for _, soil in EN1998_GROUND))] = spec_field(..., "ground type", "C")  # type: ignore[valid-type]
     ag: CodeAcceleration = spec_field(..., "reference peak ground acceleration on ground type A [m/s2]", "0.25 g")
-    importance: Importance = spec_field(1.0, "importance factor gamma_I, by which `ag` is multiplied [-]")
+    importance: SpectrumImportance = spec_field(1.0, "importance factor gamma_I, by which `ag` is multiplied [-]")
 
 
 class Asce7Spec(CodeTargetSpec):
@@ -258,7 +257,7 @@ class Ntc2018Spec(CodeTargetSpec):
     name = NTC2018
     code: Literal["NTC 2018"] = spec_field(..., "NTC 2018, 3.2.3.2.1", NTC2018)
     ag: CodeAcceleration = spec_field(..., "peak ground acceleration on rigid ground at the site [m/s2]", "0.25 g")
-    f0: Amplification = spec_field(..., "largest amplification of the spectrum F0 [-]", 2.5)
+    f0: SpectrumAmplification = spec_field(..., "largest amplification of the spectrum F0 [-]", 2.5)
     tc_star: CornerPeriod = spec_field(..., "period TC* at which the branch of constant velocity begins [s]", "0.35 s")
     soil: Literal[tuple(NTC_PERIOD)] = spec_field(..., "soil category", "C")  # type: ignore[valid-type]
     topography: Literal[tuple(NTC_TOPOGRAPHY)] = spec_field("T1", "topographic category")  # type: ignore[valid-type]
@@ -330,7 +329,7 @@ class SpectrumSpec(Model):
     low: Period = spec_field(..., "shortest period of the range [s]", "0.2 s", alias="from")
     high: Period = spec_field(..., "longest period of the range [s]", "1.2 s", alias="to")
     damping: Ratio = spec_field(0.05, "damping ratio of the spectra [-]; default: that of the target, or 5 %")
-    at_least: Part | None = spec_field(
+    at_least: TargetPart | None = spec_field(
         None, "another factor for all, so that the mean spectrum is nowhere below this part of the target"
     )
 

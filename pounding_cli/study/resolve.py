@@ -28,7 +28,7 @@ from pounding_cli.study.links import build_laws, build_links, evaluate_multiples
 from pounding_cli.study.motions import MotionReader, Suite, read_suite
 from pounding_cli.study.own_laws import build_own_laws
 from pounding_cli.study.quantity import quote
-from pounding_cli.study.swept import Point, Swept, build_array, build_constant, sweep_map
+from pounding_cli.study.swept import Point, Swept, build_constant, build_object_array, sweep_map
 from pounding_cli.study.written import find_names, read_spec
 
 T = TypeVar("T")
@@ -148,7 +148,7 @@ def sweep_part(
         result, found = known[key]
         issues.add(numbers, index, found)
         results.append(result)
-    return Swept(numbers, build_array(results, shape))
+    return Swept(numbers, build_object_array(results, shape))
 
 
 def _format_rows(axis: Axis, columns: Sequence[int]) -> list[str]:

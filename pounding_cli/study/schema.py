@@ -149,7 +149,7 @@ class StudySpec(Model):
                 yield ("analyses", place), f"'{analysis}' occurs twice", "remove one"
 
 
-class Section(NamedTuple):
+class StudySection(NamedTuple):
     """The section of a study that says what a question asks.
 
     name : of the section and of the question
@@ -164,7 +164,7 @@ class Section(NamedTuple):
     example: Any = None
 
 
-def add_sections(sections: tuple[Section, ...]) -> type[StudySpec]:
+def add_sections(sections: tuple[StudySection, ...]) -> type[StudySpec]:
     """Return the model of a study with the sections of questions."""
     fields: dict[str, Any] = {
         section.name: (section.spec, spec_field(section.spec(), section.description, section.example))

@@ -52,7 +52,7 @@ class Study:
     tree : what the file holds, with the middle of every unknown value where its key stands
     axes : the axes of the sweep
     spec : the study as written, validated
-    resolved : its parts at the points of the sweep
+    parts : its parts at the points of the sweep
     units_from : the file at the first point of the sweep, whose units people read
     warnings : what is allowed but should be known
     from_data : whether it is Python data; no file holds it
@@ -66,7 +66,7 @@ class Study:
     tree: Map
     axes: tuple[Axis, ...]
     spec: StudySpec
-    resolved: StudyParts
+    parts: StudyParts
     units_from: Map
     warnings: tuple[Problem, ...]
     from_data: bool
@@ -100,7 +100,7 @@ class Study:
         return any(
             spec.plan is not None
             for name in self.spec.group
-            for _, spec in self.resolved.building_specs[name].iter_values()
+            for _, spec in self.parts.building_specs[name].iter_values()
         )
 
     def with_axes(self, axes: Sequence[Axis], tree: Map | None = None) -> Study:
@@ -113,8 +113,8 @@ class Study:
         InputError : the study is not sound at a point of them
         """
         tree = self.tree if tree is None else tree
-        spec, resolved = _resolve_tree(tree, tuple(axes), self.reader, self.file, type(self.spec))
-        return replace(self, tree=tree, axes=tuple(axes), spec=spec, resolved=resolved)
+        spec, parts = _resolve_tree(tree, tuple(axes), self.reader, self.file, type(self.spec))
+        return replace(self, tree=tree, axes=tuple(axes), spec=spec, parts=parts)
 
     def with_tree(self, tree: Map) -> Study:
         """Return the study that another file in its place would hold; title, text, units and warnings stay.
@@ -137,19 +137,19 @@ class Study:
 
     def group(self, point: Point) -> Group:
         """Return the buildings in their places at a point of the sweep."""
-        return self.resolved.group.value_at(point)
+        return self.parts.group.value_at(point)
 
     def building(self, point: Point, place: int) -> Building:
         """Return the building type at a place of the group, from 0, at a point of the sweep."""
-        return self.resolved.types[self.spec.group[place]].value_at(point)
+        return self.parts.types[self.spec.group[place]].value_at(point)
 
     def links(self, point: Point, case: str) -> tuple[Link, ...]:
         """Return the links of a case at a point of the sweep."""
-        return self.resolved.links[case].value_at(point)
+        return self.parts.links[case].value_at(point)
 
     def motion_uses(self, point: Point) -> Mapping[str, MotionUse]:
         """Return the motions by name as they are used at a point of the sweep, without their samples."""
-        return self.resolved.suite.value_at(point).uses
+        return self.parts.suite.value_at(point).uses
 
     @cached_property
     def written_suite(self) -> Suite:
@@ -160,7 +160,7 @@ class Study:
                 return read_suite(self.spec.records, self.reader)
             except IssuesFound:
                 pass
-        return self.resolved.suite.value_at(self.first_point)
+        return self.parts.suite.value_at(self.first_point)
 
     def motion(self, point: Point, name: str) -> Motion:
         """Return a motion as it is used at a point of the sweep, cut and scaled."""
@@ -180,7 +180,7 @@ class Study:
 
     def assumed_heights(self) -> tuple[str, ...]:
         """Return the buildings of the group, by place, whose storey heights the study leaves to their default."""
-        specs = [self.resolved.building_specs[name].value_at(self.first_point) for name in self.spec.group]
+        specs = [self.parts.building_specs[name].value_at(self.first_point) for name in self.spec.group]
         return tuple(
             place
             for place, spec in zip(unique_names(self.spec.group), specs, strict=True)
@@ -209,7 +209,7 @@ class Study:
 
         NaN for the last, and where the yield shears of a neighbour were not set by a code.
         """
-        displacements = [self.resolved.displacements(name) for name in self.spec.group]
+        displacements = [self.parts.displacements(name) for name in self.spec.group]
 
         def separate(*allowed: Mapping[str, np.ndarray]) -> np.ndarray:
             return np.array([*(find_separation(left, right) for left, right in pairwise(allowed)), np.nan])
@@ -253,11 +253,11 @@ def build_study(path: Path, text: str, tree: Map, model: type[StudySpec], change
     tree = with_middles(with_both_sides(tree, problems), problems)
     axes = read_axes(tree, problems)
     from_data = isinstance(tree.mark[0], str)
-    spec, resolved = _resolve_tree(tree, axes, reader, file, model, problems)
+    spec, parts = _resolve_tree(tree, axes, reader, file, model, problems)
     first = tree_at(tree, axes, (0,) * len(axes))
     title = spec.title or shorten_path(path.stem)
     study = Study(
-        path, text, title, tree, axes, spec, resolved, first, (), from_data, reader, tuple(changes)
+        path, text, title, tree, axes, spec, parts, first, (), from_data, reader, tuple(changes)
     )  # fmt: skip
     return replace(study, warnings=warnings.find_warnings(study))
 
@@ -276,11 +276,11 @@ def _resolve_tree(
     """
     issues = Issues()
     specs = read_specs(tree, issues, model)
-    resolved = resolve(specs, tree, axes, reader, issues)
+    parts = resolve(specs, tree, axes, reader, issues)
     spec = build_study_spec(specs, issues, model)
     if problems is not None:
         note_unknown_names(tree, specs, issues)
-        _note_names_of_report(specs, tree, axes, resolved, issues)
+        _note_names_of_report(specs, tree, axes, parts, issues)
         if tree.get("uncertain") is not None:  # buildings that are only seen have nothing that may be wrong
             from pounding_cli.study.vary import read_uncertain  # here: few studies have distributions
 
@@ -289,7 +289,7 @@ def _resolve_tree(
     place_issues(issues, tree, axes, problems)
     problems.check()
     assert spec is not None  # else something was noted
-    return spec, resolved
+    return spec, parts
 
 
 def place_issues(issues: Issues, tree: Map, axes: Sequence[Axis], problems: Problems) -> None:
@@ -348,7 +348,7 @@ def _place_issue(
 
 
 def _note_names_of_report(
-    specs: Mapping[Any, Any], tree: Map, axes: Sequence[Axis], resolved: StudyParts, issues: Issues
+    specs: Mapping[Any, Any], tree: Map, axes: Sequence[Axis], parts: StudyParts, issues: Issues
 ) -> None:
     """Note the cases and buildings under `report` and `keep` that the study does not have."""
     report = specs.get(("report",))
@@ -363,7 +363,7 @@ def _note_names_of_report(
             message = f"no building '{report.building}' in the group"
             issues.add_written([Issue(("report", "building"), message, nearest(report.building, names))])
     if cases:
-        suite = next((suite for _, suite in resolved.suite.iter_values() if suite is not None), None)
+        suite = next((suite for _, suite in parts.suite.iter_values() if suite is not None), None)
         motions = list(suite.uses) if suite is not None else []
         issues.add_written(keep.find_keep_issues(specs, cases, motions, tree, axes))
 

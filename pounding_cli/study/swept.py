@@ -57,18 +57,18 @@ class Swept(Generic[T]):
         """
         first: dict[Any, Any] = {}
         merged = [first.setdefault(value, value) for value in self.values.flat]
-        values = build_array(merged, self.values.shape)
+        values = build_object_array(merged, self.values.shape)
         identities = np.array([id(value) for value in merged]).reshape(values.shape)
         axes = list(self.axes)
         for place in reversed(range(len(axes))):
             if (identities == identities.take([0], axis=place)).all():
-                values = values.take(0, axis=place) if values.ndim > 1 else build_array([values[0]], ())
+                values = values.take(0, axis=place) if values.ndim > 1 else build_object_array([values[0]], ())
                 identities = identities.take(0, axis=place)
                 del axes[place]
         return Swept(tuple(axes), values)
 
 
-def build_array(values: Sequence[Any], shape: tuple[int, ...]) -> np.ndarray:
+def build_object_array(values: Sequence[Any], shape: tuple[int, ...]) -> np.ndarray:
     """Return an array of objects; shape : whose product is the number of the values."""
     flat = np.empty(len(values), object)
     for number, value in enumerate(values):
@@ -78,7 +78,7 @@ def build_array(values: Sequence[Any], shape: tuple[int, ...]) -> np.ndarray:
 
 def build_constant(value: R) -> Swept[R]:
     """Return a value that depends on no axis."""
-    return Swept((), build_array([value], ()))
+    return Swept((), build_object_array([value], ()))
 
 
 def sweep_map(build: Callable[..., R], *parts: Swept[Any], issues: Issues | None = None) -> Swept[R]:
@@ -105,7 +105,7 @@ def sweep_map(build: Callable[..., R], *parts: Swept[Any], issues: Issues | None
         if found and issues is not None:
             issues.add(axes, index, found)
         results.append(result)
-    return Swept(axes, build_array(results, shape))
+    return Swept(axes, build_object_array(results, shape))
 
 
 def _build(build: Callable[..., R], values: tuple[Any, ...], raises: bool) -> tuple[R | None, tuple[Any, ...]]:

@@ -20,9 +20,9 @@ from pounding_cli.study.building_spec import BuildingSpec, StiffnessAtSpec
 from pounding_cli.study.buildings import build_building
 from pounding_cli.study.doubts import (
     AS_MEANT,
-    Comparison,
     Doubt,
     Doubts,
+    RelativeRange,
     find_text,
     format_rounded,
     format_value,
@@ -37,7 +37,7 @@ from pounding_cli.study.like import resolve_all_likes, resolve_like
 from pounding_cli.study.link_warnings import warn_case
 from pounding_cli.study.motions import MotionUse, Suite
 from pounding_cli.study.plan_warnings import warn_missing_accidental, warn_plan, warn_shift_without_effect
-from pounding_cli.study.quantity import FORCES, NUMBER, PLAUSIBLE_RANGES, Quantity
+from pounding_cli.study.quantity import FORCE_FACTORS, NUMBER_PATTERN, PLAUSIBLE_RANGES, Quantity
 from pounding_cli.study.records_spec import RecordsSpec
 from pounding_cli.study.resolve import StudyParts, changes_part, resolve, tree_at
 from pounding_cli.study.schema import StudySpec
@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     from pounding_cli.study.study import Study
     from pounding_cli.study.varied_inputs import UncertainInput
 
-MAX_CORNERS = 256
+MAX_CHECKED_CORNERS = 256
 """Combinations of the ends of several axes at which values are compared with each other."""
 
 MAX_OPTIONS = 50
@@ -64,7 +64,7 @@ def find_warnings(study: Study) -> tuple[Problem, ...]:
     searched keys, and the points where every axis is at an end. A key is warned of once, at its worst value.
     """
     warner = _Warner(study.spec, study.file, needs_units=not study.from_data, is_swept_pga=_sweeps_pga(study.tree))
-    of_sweep = _View(study.tree, study.axes, study.resolved)
+    of_sweep = _View(study.tree, study.axes, study.parts)
     for point in _points_along_axes(study.axes):
         warner.look_at(of_sweep, point)
     of_ends = _resolve_uncertain_ends(study)
@@ -73,7 +73,7 @@ def find_warnings(study: Study) -> tuple[Problem, ...]:
             warner.look_at(of_ends, (place,))
     warner.look_at_corners(of_sweep)
     notes = Problems(study.file)
-    for _, suite in study.resolved.suite.iter_values():
+    for _, suite in study.parts.suite.iter_values():
         for issue in suite.doubts:
             notes.add_issue(study.tree, issue)
     notes.extend(warner.doubts.iter_merged())
@@ -97,7 +97,7 @@ class _View:
 
     tree: Map
     axes: Sequence[Axis]
-    resolved: StudyParts
+    parts: StudyParts
 
 
 def _resolve_uncertain_ends(study: Study) -> _View | None:
@@ -120,8 +120,8 @@ def _resolve_uncertain_ends(study: Study) -> _View | None:
     axes = (_build_axis_of_ends(inputs),)
     tree = tree_at(study.tree, study.axes, study.first_point)
     issues = Issues()
-    resolved = resolve(read_specs(tree, issues, type(study.spec)), tree, axes, study.reader, issues)
-    return None if len(issues) else _View(tree, axes, resolved)
+    parts = resolve(read_specs(tree, issues, type(study.spec)), tree, axes, study.reader, issues)
+    return None if len(issues) else _View(tree, axes, parts)
 
 
 def _build_axis_of_ends(inputs: Sequence[UncertainInput]) -> Axis:
@@ -150,7 +150,7 @@ def _points_along_axes(axes: Sequence[Axis]) -> Iterator[Point]:
 
 
 def _corners(axes: Sequence[Axis]) -> Iterator[Point]:
-    """Yield the points where every axis is at an end of its values, at most MAX_CORNERS.
+    """Yield the points where every axis is at an end of its values, at most MAX_CHECKED_CORNERS.
 
     What is compared with each other grows or falls with each value, so that the worst combinations stand there.
     """
@@ -158,7 +158,7 @@ def _corners(axes: Sequence[Axis]) -> Iterator[Point]:
     for axis in axes:
         sizes = [next((value for value in values if not isinstance(value, str)), 0.0) for values in axis.values]
         order = sorted(range(len(sizes)), key=sizes.__getitem__)
-        has_room = len(axis) > 1 and 2 ** len(ends) < MAX_CORNERS
+        has_room = len(axis) > 1 and 2 ** len(ends) < MAX_CHECKED_CORNERS
         ends.append((order[0], order[-1]) if has_room else (0,))
     if len(axes) > 1:
         yield from product(*ends)
@@ -179,23 +179,23 @@ class _Warner:
 
     def look_at(self, view: _View, point: Point) -> None:
         """Note what is doubtful at a point."""
-        resolved = view.resolved
+        parts = view.parts
         tree = _LazyTree(view, point)
-        group = resolved.group.value_at(point)
-        for name, types in resolved.types.items():
-            spec = resolved.building_specs[name].value_at(point)
+        group = parts.group.value_at(point)
+        for name, types in parts.types.items():
+            spec = parts.building_specs[name].value_at(point)
             building = types.value_at(point)
             if self._is_new(name, spec, building):
                 warn_building(spec, building, tree, name, self.doubts)
         if self._is_new("group", group.meetings):
             self._warn_ignored_blows(group, tree)
-        impact = resolved.impact.value_at(point)
-        for name, links in resolved.complete_links.items():
-            laws = resolved.link_laws[name].value_at(point)
+        impact = parts.impact.value_at(point)
+        for name, links in parts.complete_links.items():
+            laws = parts.link_laws[name].value_at(point)
             if self._is_new(name, links.value_at(point), laws, group):
                 warn_case(links.value_at(point), laws, impact, group, tree, self.doubts)
-        records = resolved.records.value_at(point)
-        suite = resolved.suite.value_at(point)
+        records = parts.records.value_at(point)
+        suite = parts.suite.value_at(point)
         if self._is_new("motions", records, suite):
             warn_motions(records, suite, self.is_swept_pga, tree, self.doubts)
         if self._is_new("rules of a code", records, suite, group):
@@ -289,12 +289,12 @@ def _warn_yield_shear(building: Building, root: Any, at: KeyPath, doubts: Doubts
     lines : number of these
     """
     fits = PLAUSIBLE_RANGES["base yield shear over weight"]
-    compared = Comparison(fits, 1 / building.weight, "yield shear", "of the building's weight")
+    compared = RelativeRange(fits, 1 / building.weight, "yield shear", "of the building's weight")
     shear = float(building.yield_shear[0])
     if fits.holds(shear * compared.share):
         return
     share = compared.ratio_in_words(shear)
-    message = f"the lowest storey yields at {format_value(shear, FORCES)}, {share}: {fits.reason}"
+    message = f"the lowest storey yields at {format_value(shear, FORCE_FACTORS)}, {share}: {fits.reason}"
     text = find_text(root, at)
     is_bare = doubts.needs_units and lacks_its_unit(text, FORCE_OF_STOREY)
     hint = "check the yield shears of its lines"
@@ -344,7 +344,7 @@ def _warn_base(building: Building, root: Any, path: KeyPath, doubts: Doubts) -> 
     if not fits.holds(period):
         message = f"{building.name} has a period of {format_rounded(period)} s on its base: {fits.reason}"
         text = find_text(root, at)
-        is_bare = doubts.needs_units and base.isolation is None and bool(re.fullmatch(rf"\s*{NUMBER}\s*", text))
+        is_bare = doubts.needs_units and base.isolation is None and bool(re.fullmatch(rf"\s*{NUMBER_PATTERN}\s*", text))
         hint = f"did you mean {text} kN/m? otherwise write `{text} N/m`" if is_bare else "check its stiffness"
         doubts.add(root, at, at, message, hint, is_bare, excess=fits.excess(period))
 

@@ -10,16 +10,16 @@ import pandas as pd
 import pytest
 
 from pounding_cli.numbers import Unit
-from pounding_cli.paper.connector import COLUMNS as CONNECTOR_COLUMNS
 from pounding_cli.paper.connector import (
+    CONNECTOR_COLUMNS,
     ConnectorStudySpec,
     describe_bands,
     draw_ratios,
     list_connector_sentences,
     solve_connector,
 )
-from pounding_cli.paper.points import SweepPoint, build_array, describe_extremes
-from pounding_cli.paper.wall import COLUMNS, SHOWN_COLUMNS, list_wall_sentences
+from pounding_cli.paper.points import SweepPoint, build_variable, describe_extremes
+from pounding_cli.paper.wall import SHOWN_COLUMNS, WALL_COLUMNS, list_wall_sentences
 from pounding_cli.paper.wall.figures import COLORS, draw_histories, draw_stress
 from pounding_cli.paper.wall.study import WallStudySpec
 from pounding_cli.tables import Column, Table
@@ -98,7 +98,7 @@ def test_points_beyond_those_drawn_are_told():
     assert "points of the sweep" not in draw_ratios("t", points[:4]).get_label()
 
 
-NUMBERS = {column.name: 1.0 for column in COLUMNS}
+NUMBERS = {column.name: 1.0 for column in WALL_COLUMNS}
 """Of a point of the wall."""
 
 
@@ -124,7 +124,7 @@ def test_the_ends_of_a_sweep_have_their_points(is_reversed):
     points[2] = replace(points[2], numbers={**NUMBERS, "peak_force": 1e6})
     (sentence,) = list_wall_sentences(points[::-1] if is_reversed else points)
     assert "force is 1000 (a = 3) to 3000 kN (a = 2);" in sentence
-    column = Column("peak_force", unit=COLUMNS[0].unit)
+    column = Column("peak_force", unit=WALL_COLUMNS[0].unit)
     assert describe_extremes(points[:1], column) == "2000 kN"
     assert describe_extremes([points[0], points[0]], column) == "2000 kN"
 
@@ -157,7 +157,7 @@ SWEPT = (Column("contact.over"), Column("mesh.size", unit=Unit("m", 1.0, "m")))
 @pytest.mark.parametrize(
     ("swept", "columns"),
     [
-        (SWEPT, [column for name in SHOWN_COLUMNS for column in COLUMNS if column.name == name]),
+        (SWEPT, [column for name in SHOWN_COLUMNS for column in WALL_COLUMNS if column.name == name]),
         ([Column("damping", unit=Unit("%", 0.01))], CONNECTOR_COLUMNS),
     ],
 )
@@ -188,14 +188,14 @@ def drawn_point(label: str, scale: float = 1.0) -> SweepPoint:
         "kinetic_energy": ("J", np.array([0.0, 2e3, 3e3])),
         "strain_energy": ("J", np.array([0.0, 6e3, 4e3])),
     }
-    arrays = {name: build_array(unit, name, values, "instant") for name, (unit, values) in histories.items()}
+    arrays = {name: build_variable(unit, name, values, "instant") for name, (unit, values) in histories.items()}
     corners = np.array([[[0, 0], [1, 0], [1, 1], [0, 1]], [[1, 0], [2, 0], [2, 1], [1, 1]]], dtype=float)
     arrays |= {
-        "cell_height": build_array("m", "", np.array([13.0, 13.5, 14.0]), "cell"),
-        "cell_stress": build_array("N/m2", "", scale * np.array([10e6, 30e6, 20e6]), "cell"),
-        "outline": build_array("m", "", corners, "element", "side", "axis"),
-        "stress_peak": build_array("N/m2", "", np.array([5e6, 1e6]), "element"),
-        "stress_envelope": build_array("N/m2", "", np.array([8e6, 2e6]), "element"),
+        "cell_height": build_variable("m", "", np.array([13.0, 13.5, 14.0]), "cell"),
+        "cell_stress": build_variable("N/m2", "", scale * np.array([10e6, 30e6, 20e6]), "cell"),
+        "outline": build_variable("m", "", corners, "element", "side", "axis"),
+        "stress_peak": build_variable("N/m2", "", np.array([5e6, 1e6]), "element"),
+        "stress_envelope": build_variable("N/m2", "", np.array([8e6, 2e6]), "element"),
     }
     study = WallStudySpec.model_validate({"title": "t"})
     return SweepPoint(label, study, {}, {**NUMBERS, "time_of_peak": 0.0062}, arrays)

@@ -13,11 +13,12 @@ from scipy.stats import norm
 import pounding_cli
 from pounding_cli.api.running import run_study
 from pounding_cli.batch.progress import Progress
-from pounding_cli.questions.screen.decide import find_decision, find_shares
+from pounding_cli.questions.screen.decide import find_decision, find_variance_shares
 from pounding_cli.questions.screen.designs import find_design
 from pounding_cli.questions.screen.figures import draw_street
 from pounding_cli.questions.screen.question import Screen
-from pounding_cli.questions.screen.street import Settings, read_street
+from pounding_cli.questions.screen.street import Settings
+from pounding_cli.questions.screen.street_table import read_street
 
 HEADINGS = (
     "name,left type,left design,left year,left storeys,right type,right design,right storeys,right period [s],"
@@ -225,11 +226,11 @@ def test_what_decides_is_what_moves_the_closings():
     generator = np.random.default_rng(1)
     period, strength = generator.normal(size=(2, 30))
     closings = 0.5 * period[:, None] + 0.05 * generator.normal(size=(30, 5))
-    shares = find_shares(closings[None], {"period of the left": period, "strength of the left": strength})
+    shares = find_variance_shares(closings[None], {"period of the left": period, "strength of the left": strength})
     assert find_decision(shares)[0] == "period of the left"
     assert shares["period of the left"] > 0.6
     assert shares["strength of the left"] < 0.1
     assert shares["motion"] == pytest.approx(0.05**2 / 0.25, abs=0.01)
     noise = {f"{number}": generator.normal(size=30) for number in range(100)}
-    chance = find_shares(generator.normal(size=(1, 30, 1)), noise)
+    chance = find_variance_shares(generator.normal(size=(1, 30, 1)), noise)
     assert np.mean([share for name, share in chance.items() if name != "motion"]) < 0.06

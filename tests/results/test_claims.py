@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 
 from pounding_cli.numbers import NOTHING
-from pounding_cli.paper.claims import AS_GIVEN, CLAIMS, FAILS, HOLDS, LARGEST, MEAN, PARTLY, UNTESTED
+from pounding_cli.paper.claims import AS_GIVEN, CLAIMS, FAILS, HOLDS, LARGEST_STOREY, MEAN_OF_STOREYS, PARTLY, UNTESTED
 from pounding_cli.paper.comparison import _compare_claims
 from pounding_cli.paper.verdicts import build_claims_table, evaluate_claims, format_verdict, summarize_verdicts
 from pounding_cli.records import load_catalogue
@@ -231,9 +231,9 @@ def test_the_cells_of_the_table_of_claims():
 
 def test_a_verdict_by_the_largest_storey_stands_beside_another_one():
     row = {"verdict": HOLDS, "verdict_largest": PARTLY}
-    assert format_verdict(row) == f"{HOLDS} ({LARGEST}: {PARTLY})"
+    assert format_verdict(row) == f"{HOLDS} ({LARGEST_STOREY}: {PARTLY})"
     assert format_verdict({**row, "verdict_largest": HOLDS}) == HOLDS
-    assert MEAN not in format_verdict(row)
+    assert MEAN_OF_STOREYS not in format_verdict(row)
 
 
 def test_the_comparison_has_a_column_a_file_and_missed_numbers_bold():

@@ -14,7 +14,7 @@ from scipy.signal import lsim
 
 import pounding_cli as pound
 from pounding_cli.api.studies import load_study as study_of
-from pounding_cli.questions.sensitivity.indices import Sensitivity
+from pounding_cli.questions.sensitivity.question import Sensitivity
 from pounding_cli.study import make_plan
 
 G = 9.80665

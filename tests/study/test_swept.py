@@ -12,7 +12,7 @@ import yaml
 import pounding_cli as pound
 from pounding_cli.study import resolve as resolving
 from pounding_cli.study.issues import Issue, Issues, IssuesFound
-from pounding_cli.study.swept import Swept, build_array, build_constant, sweep_map
+from pounding_cli.study.swept import Swept, build_constant, build_object_array, sweep_map
 
 STUDY = yaml.safe_load("""
 title: Two frames
@@ -40,7 +40,7 @@ def refusals(changes: str) -> list[str]:
 
 def swept(values, *axes: int) -> Swept:
     array = np.asarray(values, object)
-    return Swept(axes, build_array(list(array.flat), array.shape))
+    return Swept(axes, build_object_array(list(array.flat), array.shape))
 
 
 # Values on axes
@@ -63,7 +63,7 @@ def test_points_whose_parts_are_the_same_objects_share_one_result():
 
 
 def swept_objects(values) -> Swept:
-    return Swept((0,), build_array(values, (len(values),)))
+    return Swept((0,), build_object_array(values, (len(values),)))
 
 
 def test_what_has_no_part_is_none_and_not_built():
@@ -219,13 +219,13 @@ def test_contact_keys_of_impact_reach_pounding_of_that_law_alone():
     impact: {law: hertz, hertz_stiffness: 5e9 N/m^1.5}
     cases: {a: {gap: 5 cm, links: [{link: pounding, floors: [1]}, {link: connector, floors: rest}]}}
     """)
-    pounding, connector = found.resolved.complete_links["a"].value_at(())
+    pounding, connector = found.parts.complete_links["a"].value_at(())
     assert pounding.law == "hertz"
     assert pounding.values["hertz_stiffness"] == 5e9
     assert pounding.paths["hertz_stiffness"] == ("impact", "hertz_stiffness")
     assert {*connector.values} == {"gap"}
     assert [link.law.name for link in found.links((), "a")] == ["hertz", "connector"]
-    of_another = load("impact: {hertz_stiffness: 5e9 N/m^1.5}").resolved.complete_links["a"].value_at(())
+    of_another = load("impact: {hertz_stiffness: 5e9 N/m^1.5}").parts.complete_links["a"].value_at(())
     assert {*of_another[0].values} == {"gap"}
 
 
@@ -234,9 +234,9 @@ def test_a_damping_ratio_of_a_link_sets_the_restitution_of_impact_aside():
     impact: {restitution: 0.4}
     cases: {a: {link: pounding, gap: 5 cm, damping_ratio: 5 %}, b: {link: pounding, gap: 5 cm}}
     """)
-    (ratio,) = found.resolved.link_laws["a"].value_at(())
-    assert "restitution" not in found.resolved.complete_links["a"].value_at(())[0].values
-    (restitution,) = found.resolved.link_laws["b"].value_at(())
+    (ratio,) = found.parts.link_laws["a"].value_at(())
+    assert "restitution" not in found.parts.complete_links["a"].value_at(())[0].values
+    (restitution,) = found.parts.link_laws["b"].value_at(())
     assert ratio.damping_ratio == 0.05
     assert restitution.damping_ratio == pytest.approx(-np.log(0.4) / np.hypot(np.pi, np.log(0.4)))
 
@@ -270,7 +270,7 @@ def test_motions_of_a_swept_scale_are_kept_as_digests():
     found = load("sweep: {records.scale: [1.0, 1.5, 2.0]}")
     uses = [found.motion_uses((place,))["elcentro"] for place in range(3)]
     assert len({use.digest for use in uses}) == 3
-    for _, suite in found.resolved.suite.iter_values():
+    for _, suite in found.parts.suite.iter_values():
         for use in suite.uses.values():
             assert not any(isinstance(value, np.ndarray | pound.Motion) for value in vars(use).values())
     for place, use in enumerate(uses):

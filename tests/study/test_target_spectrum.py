@@ -229,7 +229,7 @@ def test_parameters_of_a_code_are_swept(tmp_path: Path):
     study = study_of(tmp_path, text + sweep)
     factors = [[study.motion_uses((ag, soil))["taft"].scale for soil in (0, 1)] for ag in (0, 1)]
     assert factors[1] == pytest.approx([3 * factor for factor in factors[0]])
-    names = [study.resolved.suite.value_at((1, soil)).target.name for soil in (0, 1)]
+    names = [study.parts.suite.value_at((1, soil)).target.name for soil in (0, 1)]
     assert names == ["EN 1998-1, type 1, soil A, 0.3 g", "EN 1998-1, type 1, soil D, 0.3 g"]
     ground = {soil: spectrum_of("EN 1998-1", {"type": 1, "soil": soil, "ag": 1.0}) for soil in "AD"}
     periods = np.geomspace(0.1, 1.5, 50)
@@ -282,7 +282,7 @@ def test_target_and_motions_have_one_damping_ratio(tmp_path: Path, inside, besid
     target = EN.removesuffix("}") + inside + "}"
     text = filled_in("mean", target, "2 %").replace("damping: 2 %, at_least: 90 %}", f"{beside}}}")
     study = study_of(tmp_path, text.replace("to: 1.5 s, }", "to: 1.5 s}"))
-    suite = study.resolved.suite.value_at(study.first_point)
+    suite = study.parts.suite.value_at(study.first_point)
     assert suite.target.damping == 0.02
     assert max(suite.target.values) == pytest.approx(0.71875 * GRAVITY * np.sqrt(10 / 7))
     periods = np.geomspace(0.1, 1.5, 50)

@@ -15,7 +15,7 @@ from pounding_cli.results.results import ResultTables
 from pounding_cli.study import Plan, make_plan
 from pounding_cli.study.base import Model, spec_field
 from pounding_cli.study.quantity import Quantity
-from pounding_cli.study.schema import Section
+from pounding_cli.study.schema import StudySection
 from pounding_cli.tables import Column, Table, build_table
 
 PERCENT = Unit("%", 0.01, "1")
@@ -84,7 +84,7 @@ def list_tables(results: ResultTables) -> Sequence[Table]:
 QUESTION = Question(
     name="drift",
     ask=Drift,
-    section=Section("drift", DriftSpec, "settings of `pound drift`"),
+    section=StudySection("drift", DriftSpec, "settings of `pound drift`"),
     tables={"drift": DRIFT_COLUMNS},
     sentences=list_sentences,
     shown_tables=list_tables,

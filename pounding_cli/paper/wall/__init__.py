@@ -23,7 +23,7 @@ _MOMENT = Unit("kN m", 1e3, "N m")
 _STRESS = Unit("N/mm²", 1e6, "N/m2")
 _TIME = Unit("ms", 1e-3, "s")
 
-COLUMNS = (
+WALL_COLUMNS = (
     Column("peak_force", "largest contact force", _FORCE, "force"),
     Column("peak_time", "time of the largest contact force", _TIME, "at"),
     Column("separation", "first time the striker leaves the wall", _TIME),
@@ -111,7 +111,7 @@ COMMAND = PointCommand(
     name="wall",
     spec=WallStudySpec,
     solve=solve_wall,
-    columns=COLUMNS,
+    columns=WALL_COLUMNS,
     shown_columns=SHOWN_COLUMNS,
     sentences=list_wall_sentences,
     figures=_figures,

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 COLORS = ("#000000", "#0072B2", "#AA2211", "#009E73", "#E69F00", "#7B3294", "#56B4E9", "#8C6D31")
 """Of the histories of points; of as many they are drawn."""
 
-ENERGIES = {"striker_energy": "striker", "kinetic_energy": "moving building", "strain_energy": "strain"}
+WALL_ENERGIES = {"striker_energy": "striker", "kinetic_energy": "moving building", "strain_energy": "strain"}
 """Histories of energy from the bottom up, and what they are called."""
 
 MAX_EDGED = 5000
@@ -100,8 +100,8 @@ def draw_histories(title: str, points: Sequence[SweepPoint]) -> Figure:
 
 def _stack_energies(ax: Axes, point: SweepPoint) -> None:
     """Draw the energies of a point upon each other over time."""
-    parts = [point.values(name) / 1e3 for name in ENERGIES]
-    labels = list(ENERGIES.values())
+    parts = [point.values(name) / 1e3 for name in WALL_ENERGIES]
+    labels = list(WALL_ENERGIES.values())
     ax.stackplot(1e3 * point.values("time"), *parts, labels=labels, colors=("0.35", "0.6", "0.85"))
     ax.set(xlabel="time [ms]", ylabel="energy [kJ]", title=f"Energy: {point.label or 'balance'}")
     ax.legend(loc="lower right", frameon=True)

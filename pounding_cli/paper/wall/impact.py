@@ -17,7 +17,7 @@ from skfem.element import ElementQuad0, ElementQuad1, ElementQuad2, ElementVecto
 from skfem.models.elasticity import linear_elasticity
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.paper.points import MESH, PointAnswer, build_array
+from pounding_cli.paper.points import MESH, PointAnswer, build_variable
 from pounding_cli.paper.wall.study import SectionSpec, WallStudySpec
 
 MAX_ELEMENTS = 250_000
@@ -106,16 +106,16 @@ def solve_impact(study: WallStudySpec) -> PointAnswer:
     corners = system.mesh.p.T[system.mesh.t.T]
     text = "largest von Mises stress of the mean stress in a cell"
     arrays = {
-        "cell_height": build_array("m", "height of a cell at the struck face", system.cell_height, "cell"),
-        "cell_stress": build_array("N/m2", text, averaged, "cell"),
-        "outline": build_array("m", "corners of every element", corners, *MESH),
+        "cell_height": build_variable("m", "height of a cell at the struck face", system.cell_height, "cell"),
+        "cell_stress": build_variable("N/m2", text, averaged, "cell"),
+        "outline": build_variable("m", "corners of every element", corners, *MESH),
     }
     for name, text, values in (
         ("stress_peak", "von Mises stress of every element at the peak", then["elements"]),
         ("stress_envelope", "largest von Mises stress of every element", largest["elements"]),
     ):
-        arrays[name] = build_array("N/m2", text, values, "element")
-    arrays |= {name: build_array(*HISTORIES[name], values, "instant") for name, values in run.items()}
+        arrays[name] = build_variable("N/m2", text, values, "element")
+    arrays |= {name: build_variable(*HISTORIES[name], values, "instant") for name, values in run.items()}
     return PointAnswer({name: float(number) for name, number in numbers.items()}, arrays, notes)
 
 

@@ -11,20 +11,20 @@ import pandas as pd
 
 from pounding_cli.numbers import Unit
 from pounding_cli.questions.bootstrap import build_estimate, draw_motions
-from pounding_cli.questions.fragility.curves import Curve, Outcome, find_brackets, fit_curve
+from pounding_cli.questions.fragility.curves import FitOutcome, FragilityCurve, find_brackets, fit_curve
 from pounding_cli.questions.fragility.demands import UNDECIDED, CurvePlace, find_demands
 from pounding_cli.questions.fragility.tables import (
+    COLUMNS_BY_TABLE,
     CONTRIBUTIONS,
+    CURVE_POINTS,
     CURVES,
     IN_UNIT_OF_INTENSITY,
     MOTIONS,
     NEIGHBOURS,
-    POINTS,
     RATES,
-    TABLES,
     list_columns,
 )
-from pounding_cli.questions.frames import ALONE, POUNDING, build_swept_frame, list_swept_columns
+from pounding_cli.questions.frames import ALONE, WITH_POUNDING, build_swept_frame, list_swept_columns
 from pounding_cli.questions.hazard import Hazard, poisson_probability
 from pounding_cli.tables import Table, build_table
 
@@ -41,7 +41,7 @@ RANGES_OF_RATE = 40
 MIN_ADDED = 1e-6
 """Part of the square of a spread below which what a neighbour adds is rounding [-]."""
 
-CurveByState = dict[str, Curve]
+CurveByState = dict[str, FragilityCurve]
 """State -> its fitted curve; a state without one is left out."""
 
 
@@ -95,7 +95,7 @@ def build_tables(question: Fragility, places: Sequence[CurvePlace], solved: Resp
     hazard = question.hazard
     records = np.array(question.plan.records, object)
     draws = draw_motions(len(records), spec.draws)
-    names = [CURVES, MOTIONS, POINTS]
+    names = [CURVES, MOTIONS, CURVE_POINTS]
     if hazard is not None:
         names += [RATES, CONTRIBUTIONS]
     if question.neighbour_axis is not None:
@@ -123,11 +123,11 @@ def build_tables(question: Fragility, places: Sequence[CurvePlace], solved: Resp
             rows[MOTIONS].add(number, state, _build_motions(spec.method, of_rows, intensity, demand))
         if len(curves) == 2:
             medians = {state: curve.fits.median for state, curve in curves.items()}
-            blocks[POUNDING] |= _build_ratio("ratio", medians, curves, spec.confidence)
+            blocks[WITH_POUNDING] |= _build_ratio("ratio", medians, curves, spec.confidence)
         for state, block in blocks.items():
             rows[CURVES].add(number, state, block)
         for state, block in _build_points(curves, highest, spec.confidence).items():
-            rows[POINTS].add(number, state, block)
+            rows[CURVE_POINTS].add(number, state, block)
         if hazard is not None:
             rates = _build_rates(hazard, curves, spec.confidence)
             for state in median_place.histories:
@@ -148,7 +148,7 @@ def _observe(
     return np.concatenate(intensities), np.concatenate(demands), np.concatenate(are_asked)
 
 
-def _compare_with_median(curve: Curve, of_median: Curve, neighbours: int) -> dict[str, float]:
+def _compare_with_median(curve: FragilityCurve, of_median: FragilityCurve, neighbours: int) -> dict[str, float]:
     """Return the columns that compare a curve over what a neighbour may be with that of its median building.
 
     Where the intensities at which motions hold and pass do not overlap, these scatter by less than the step: by 0.
@@ -156,7 +156,7 @@ def _compare_with_median(curve: Curve, of_median: Curve, neighbours: int) -> dic
     medians = np.full(2, np.nan)
     spreads = np.full(2, np.nan)
     for number, each in enumerate((curve, of_median)):
-        if each.columns["outcome"] in (Outcome.FITTED, Outcome.SEPARATED):
+        if each.columns["outcome"] in (FitOutcome.FITTED, FitOutcome.SEPARATED):
             medians[number] = each.fits.median[0]
             spreads[number] = each.fits.spread[0]
     median, median_of_median = medians.tolist()
@@ -183,7 +183,7 @@ def _to_table(question: Fragility, name: str, rows: _Rows, places: Sequence[Curv
     frame = rows.to_frame(list_columns(name, question.spec.method), where)
     unit = Unit(question.unit.name, question.unit.factor, question.unit.si or "1")
     units = dict.fromkeys(IN_UNIT_OF_INTENSITY, unit)
-    return build_table(name, frame, [*list_swept_columns(axes), *TABLES[name]], units)
+    return build_table(name, frame, [*list_swept_columns(axes), *COLUMNS_BY_TABLE[name]], units)
 
 
 def _build_where(question: Fragility, places: Sequence[CurvePlace]) -> pd.DataFrame:
@@ -227,7 +227,7 @@ def _build_ratio(
     values : of the curves first, then of their draws
     """
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = values[POUNDING] / values[ALONE]
+        ratio = values[WITH_POUNDING] / values[ALONE]
     ratio[1:] = np.where(np.isnan(ratio[1:]), 1.0, ratio[1:])
     return build_estimate(name, ratio, confidence, min(curve.motions for curve in curves.values()))
 
@@ -266,7 +266,7 @@ def _build_rates(hazard: Hazard, curves: CurveByState, confidence: float) -> dic
             "beyond": beyond / rate if rate > 0 else 0.0,
         }
     if len(rates) == 2 and rates[ALONE][0] > 0:
-        blocks[POUNDING] |= _build_ratio("rate_ratio", rates, curves, confidence)
+        blocks[WITH_POUNDING] |= _build_ratio("rate_ratio", rates, curves, confidence)
     return blocks
 
 

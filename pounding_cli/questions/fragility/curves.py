@@ -41,7 +41,7 @@ _MAX_STEPS = 100
 _MAX_HALVINGS = 40
 
 
-class Outcome(StrEnum):
+class FitOutcome(StrEnum):
     """The outcome of a fit; only `FITTED` has a median and a spread."""
 
     FITTED = "fitted"
@@ -98,7 +98,9 @@ def fit_brackets(low: np.ndarray, high: np.ndarray, weights: np.ndarray) -> Fits
     ends = [first_passed == np.inf, last_held == 0]
     with np.errstate(invalid="ignore"):
         median = np.select(ends, [np.inf, 0.0], np.sqrt(last_held * first_passed))
-    outcome = np.select([*ends, ~overlaps], [Outcome.NEVER, Outcome.ALWAYS, Outcome.SEPARATED], Outcome.FITTED)
+    outcome = np.select(
+        [*ends, ~overlaps], [FitOutcome.NEVER, FitOutcome.ALWAYS, FitOutcome.SEPARATED], FitOutcome.FITTED
+    )
     spread = np.zeros(len(weights))
     has_trend = overlaps & _has_maximum(low, high, weights, share)
     if has_trend.any():
@@ -114,7 +116,7 @@ def _share(weights: np.ndarray, passed: np.ndarray) -> np.ndarray:
 
 def _flatten(fits: Fits, is_flat: np.ndarray) -> Fits:
     """Return the fits, some of them without a trend."""
-    outcome = np.where(is_flat, Outcome.FLAT, fits.outcome)
+    outcome = np.where(is_flat, FitOutcome.FLAT, fits.outcome)
     median = np.where(is_flat, np.where(fits.share < 0.5, np.inf, 0.0), fits.median)
     return Fits(outcome, median, np.where(is_flat, np.inf, fits.spread), fits.share)
 
@@ -235,7 +237,7 @@ def fit_lines(intensity: np.ndarray, demand: np.ndarray, weights: np.ndarray) ->
     spread = np.sqrt(residual / np.where(has_line, total - 2, 1.0)) / rise
     with np.errstate(over="ignore"):
         median = np.exp((slope * mean_x - mean_y) / rise)
-    outcome = np.where(spread <= 1e-12, Outcome.SEPARATED, Outcome.FITTED)
+    outcome = np.where(spread <= 1e-12, FitOutcome.SEPARATED, FitOutcome.FITTED)
     return _flatten(Fits(outcome, median, spread, _share(weights, y > 0)), ~rises | (spread > MAX_SPREAD))
 
 
@@ -267,7 +269,7 @@ def find_brackets(x: np.ndarray, demand: np.ndarray) -> Brackets:
     return Brackets(held, passed, is_open, is_undecided.sum(axis=1))
 
 
-class Curve(NamedTuple):
+class FragilityCurve(NamedTuple):
     """One curve.
 
     columns : of its row in the table of curves
@@ -282,10 +284,12 @@ class Curve(NamedTuple):
     @property
     def is_fitted(self) -> bool:
         """True where it has a median and a spread."""
-        return self.columns["outcome"] == Outcome.FITTED
+        return self.columns["outcome"] == FitOutcome.FITTED
 
 
-def fit_curve(x: np.ndarray, demand: np.ndarray, is_asked: np.ndarray, draws: np.ndarray, spec: FragilitySpec) -> Curve:
+def fit_curve(
+    x: np.ndarray, demand: np.ndarray, is_asked: np.ndarray, draws: np.ndarray, spec: FragilitySpec
+) -> FragilityCurve:
     """Return the curve of motions by their demands.
 
     Over the buildings that a neighbour may be there is a row for every building and motion, building by building; a
@@ -311,18 +315,18 @@ def fit_curve(x: np.ndarray, demand: np.ndarray, is_asked: np.ndarray, draws: np
     low = low[is_known]
     high = high[is_known]
     fits = fit_brackets(low, high, draws[:, np.nonzero(is_known)[0]])
-    outcome = Outcome(fits.outcome[0])
+    outcome = FitOutcome(fits.outcome[0])
     ends = np.unique(np.concatenate([low, high]))
     is_one_end = ((ends > 0) & (ends < np.inf)).sum() < 2
-    if motions < 2 or not low.size or (outcome is Outcome.SEPARATED and is_one_end):
-        outcome = Outcome.FEW
+    if motions < 2 or not low.size or (outcome is FitOutcome.SEPARATED and is_one_end):
+        outcome = FitOutcome.FEW
     bounds = (0.0, np.inf)
     if 2 * brackets.is_open.sum() >= motions:
-        outcome = Outcome.UNDECIDED
+        outcome = FitOutcome.UNDECIDED
         bounds = _bound_median(brackets)
-    elif outcome is Outcome.FITTED:
+    elif outcome is FitOutcome.FITTED:
         bounds = (fits.median[0], fits.median[0])
-    elif outcome is not Outcome.FLAT:  # where some hold and some pass, the median may lie on either side
+    elif outcome is not FitOutcome.FLAT:  # where some hold and some pass, the median may lie on either side
         bounds = (
             low[low < high.min(initial=np.inf)].max(initial=0.0),
             high[high > low.max(initial=0.0)].min(initial=np.inf),
@@ -333,7 +337,7 @@ def fit_curve(x: np.ndarray, demand: np.ndarray, is_asked: np.ndarray, draws: np
 
 def _fit_cloud(
     x: np.ndarray, demand: np.ndarray, is_asked: np.ndarray, draws: np.ndarray, spec: FragilitySpec, motions_behind: int
-) -> Curve:
+) -> FragilityCurve:
     """Return the curve of a line through a cloud; arguments as those of `fit_curve`, with a draw of every row."""
     motions = len(x)
     is_known = np.isfinite(demand) & (demand > 0)
@@ -342,14 +346,14 @@ def _fit_cloud(
     fits = fit_lines(intensity, demand[is_known], draws[:, motion])
     known_motions = np.unique(motion).size
     is_open = (demand == UNDECIDED).any(axis=1) & ~np.isin(np.arange(motions), motion)
-    outcome = Outcome(fits.outcome[0])
+    outcome = FitOutcome(fits.outcome[0])
     if known_motions < MIN_CLOUD_MOTIONS or 2 * known_motions <= motions or float(np.ptp(np.log(intensity))) <= 1e-12:
-        outcome = Outcome.FEW
+        outcome = FitOutcome.FEW
     is_decided = 2 * is_open.sum() < motions
     bounds = (0.0, np.inf)
     if not is_decided:
-        outcome = Outcome.UNDECIDED
-    elif outcome in (Outcome.FITTED, Outcome.SEPARATED):
+        outcome = FitOutcome.UNDECIDED
+    elif outcome in (FitOutcome.FITTED, FitOutcome.SEPARATED):
         bounds = (fits.median[0], fits.median[0])
     behind = known_motions if 2 * known_motions > motions and is_decided else motions
     counts = _count_histories(demand, is_asked, ~np.isnan(demand) & ~is_known, is_open)
@@ -375,13 +379,18 @@ def _count_histories(
 
 
 def _build_curve(
-    outcome: Outcome, bounds: tuple[float, float], motions: int, counts: dict[str, int], fits: Fits, confidence: float
-) -> Curve:
+    outcome: FitOutcome,
+    bounds: tuple[float, float],
+    motions: int,
+    counts: dict[str, int],
+    fits: Fits,
+    confidence: float,
+) -> FragilityCurve:
     """Return a curve with the columns of its row."""
     columns: dict[str, Any] = {"outcome": str(outcome), "low": bounds[0], "high": bounds[1], "motions": motions}
     columns |= counts
-    if outcome is Outcome.FITTED:
+    if outcome is FitOutcome.FITTED:
         columns |= build_estimate("median", fits.median, confidence, motions)
         columns |= build_estimate("spread", fits.spread, confidence, motions)
-        columns["unfitted"] = int((fits.outcome[1:] != Outcome.FITTED).sum())
-    return Curve(columns, fits, motions)
+        columns["unfitted"] = int((fits.outcome[1:] != FitOutcome.FITTED).sum())
+    return FragilityCurve(columns, fits, motions)

@@ -14,18 +14,18 @@ from matplotlib.figure import Figure
 
 from pounding_cli.numbers import Unit
 from pounding_cli.questions.bootstrap import MIN_MOTIONS
-from pounding_cli.questions.fragility.tables import CONTRIBUTIONS, CURVES, MOTIONS, POINTS, RATES
+from pounding_cli.questions.fragility.tables import CONTRIBUTIONS, CURVE_POINTS, CURVES, MOTIONS, RATES
 from pounding_cli.questions.fragility.words import (
     compare_medians,
+    describe_curve_place,
     describe_measure,
-    describe_place,
     format_confidence,
     join_place,
     list_twisting_buildings,
     median_column,
     pair_states,
 )
-from pounding_cli.questions.frames import ALONE, POUNDING, STATE
+from pounding_cli.questions.frames import ALONE, STATE_COLUMN, WITH_POUNDING
 from pounding_cli.report.document import Picture
 from pounding_cli.report.evidence import Evidence, describe_motions, find_nominal
 from pounding_cli.report.style import Look, finish, grid, looks, shared_legend, with_style
@@ -34,7 +34,7 @@ from pounding_cli.tables import Column
 if TYPE_CHECKING:
     from pounding_cli.results.results import ResultTables
 
-MAX_CASES = 4
+MAX_PANEL_CASES = 4
 """Cases in one panel; of more, the first are drawn."""
 
 LOOK_ALONE = Look("#777777", (0, (2, 1)), "x")
@@ -58,7 +58,7 @@ def list_figures(results: ResultTables) -> list[Picture]:
     curves = evidence.rows_here(results.answer(CURVES).frame)
     pictures = []
     for analysis, rows in curves.groupby("analysis", sort=False):
-        draw = partial(draw_curves, evidence, str(analysis))
+        draw = partial(draw_fragility_curves, evidence, str(analysis))
         heading = f"Fragility, {analysis} storeys"
         pictures.append(Picture(f"fragility-{analysis}", heading, _describe_curves(results, rows), draw))
     if RATES in results.answers and len(evidence.rows_here(results.answer(CONTRIBUTIONS).frame)):
@@ -75,7 +75,7 @@ def _describe_curves(results: ResultTables, rows: pd.DataFrame) -> str:
     pairs = pair_states(rows)
     twisting = list_twisting_buildings(results)
     return " ".join(
-        f"{describe_place(curve.place, pairs, twisting=twisting)}: {compare_medians(curve, median, confidence)}."
+        f"{describe_curve_place(curve.place, pairs, twisting=twisting)}: {compare_medians(curve, median, confidence)}."
         for curve in pairs
     )
 
@@ -84,17 +84,18 @@ def _describe_curves(results: ResultTables, rows: pd.DataFrame) -> str:
 
 
 @with_style
-def draw_curves(evidence: Evidence, analysis: str) -> Figure:
+def draw_fragility_curves(evidence: Evidence, analysis: str) -> Figure:
     """Draw probability against intensity: a panel for each limit and building or pair."""
     results = evidence.results
     method = results.study_data["fragility"]["method"]
     median = median_column(results.answer(CURVES).column("median"))
     curves, motions, points = (
-        _select(evidence.rows_here(results.answer(name).frame), analysis=analysis) for name in (CURVES, MOTIONS, POINTS)
+        _select(evidence.rows_here(results.answer(name).frame), analysis=analysis)
+        for name in (CURVES, MOTIONS, CURVE_POINTS)
     )
     panels = curves.groupby(["limit", "building"], sort=False)
     cases = curves["case"].unique().tolist()
-    look_by_case = dict(list(looks(cases).items())[:MAX_CASES])
+    look_by_case = dict(list(looks(cases).items())[:MAX_PANEL_CASES])
     figure, axes = grid(len(panels), 3.6, 2.8, "probability of passing the limit", sharey=True)
     for ax, ((limit, building), rows) in zip(axes, panels, strict=True):
         of_panel = {"limit": limit, "building": building}
@@ -125,8 +126,8 @@ def _caption_curves(evidence: Evidence, curves: pd.DataFrame, case_count: int) -
     else:
         confidence = format_confidence(evidence.results)
         sentences.append(f"Bands: {confidence} of {spec['draws']} bootstrap draws of the motions.")
-    if case_count > MAX_CASES:
-        sentences.append(f"Of {case_count} cases the first {MAX_CASES} are drawn.")
+    if case_count > MAX_PANEL_CASES:
+        sentences.append(f"Of {case_count} cases the first {MAX_PANEL_CASES} are drawn.")
     return " ".join([*sentences, describe_motions(evidence.records)])
 
 
@@ -150,14 +151,14 @@ class _Panel:
     ) -> None:
         """Draw the curve of the building alone, which is the same in all cases, and that of every case."""
         records = [row for row in rows.to_dict("records") if row["case"] in look_by_case]
-        alone = [row for row in records if row[STATE] == ALONE][:1]
-        for row in [*alone, *(row for row in records if row[STATE] == POUNDING)]:
-            place = {"case": row["case"], STATE: row[STATE]}
+        alone = [row for row in records if row[STATE_COLUMN] == ALONE][:1]
+        for row in [*alone, *(row for row in records if row[STATE_COLUMN] == WITH_POUNDING)]:
+            place = {"case": row["case"], STATE_COLUMN: row[STATE_COLUMN]}
             look = LOOK_ALONE
             label = ALONE
-            if row[STATE] == POUNDING:
+            if row[STATE_COLUMN] == WITH_POUNDING:
                 look = look_by_case[row["case"]]
-                label = f"{POUNDING}: {row['case']}"
+                label = f"{WITH_POUNDING}: {row['case']}"
             points_of_curve = _select(points, **place)
             self._draw_curve(row, points_of_curve, look, label)
             self._draw_shares(_select(motions, **place), points_of_curve, look)
@@ -188,7 +189,7 @@ class _Panel:
         """Draw the shares of motions that pass as markers, as far as the axis reaches."""
         right = self._find_right(motions, points)
         self.right = max(self.right, right)
-        intensity, share = find_shares(motions, self.method)
+        intensity, share = find_passed_shares(motions, self.method)
         is_inside = intensity / self.unit.factor <= self.right
         if is_inside.any():  # a line without points would count as one at the corner
             self.ax.plot(
@@ -205,7 +206,7 @@ class _Panel:
         return 1.1 * float(known[np.isfinite(known)].max(initial=0.0)) / self.unit.factor
 
 
-def find_shares(motions: pd.DataFrame, method: str) -> tuple[np.ndarray, np.ndarray]:
+def find_passed_shares(motions: pd.DataFrame, method: str) -> tuple[np.ndarray, np.ndarray]:
     """Return intensities [SI] and the share of motions that have passed by each (`ida`) or pass at each (`stripes`).
 
     motions : rows of one curve in the table of motions
@@ -244,11 +245,11 @@ def draw_contributions(evidence: Evidence) -> Figure:
     figure, axes = grid(len(panels), 3.6, 2.8)
     for ax, ((limit, building), of_panel) in zip(axes, panels, strict=True):
         first_case = of_panel["case"].iloc[0]
-        for (case, state), part in of_panel.groupby(["case", STATE], sort=False):
+        for (case, state), part in of_panel.groupby(["case", STATE_COLUMN], sort=False):
             if state == ALONE and case != first_case:  # the building alone is the same in all cases
                 continue
             look = LOOK_ALONE if state == ALONE else look_by_case[str(case)]
-            label = ALONE if state == ALONE else f"{POUNDING}: {case}"
+            label = ALONE if state == ALONE else f"{WITH_POUNDING}: {case}"
             intensity = np.sqrt(part["from"] * part["to"]) / unit.factor
             density = part["rate"] / np.log(part["to"] / part["from"])
             ax.plot(intensity, density, color=look.color, ls=look.line, lw=1.8, label=label)

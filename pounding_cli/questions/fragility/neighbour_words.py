@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from pounding_cli.numbers import format_number, join_limited, pluralize
 from pounding_cli.questions.fragility.tables import NEIGHBOURS
-from pounding_cli.questions.frames import ALONE, STATE
+from pounding_cli.questions.frames import ALONE, STATE_COLUMN
 from pounding_cli.questions.neighbours import describe_seen, list_drawn_names
 from pounding_cli.report.evidence import Evidence
 from pounding_cli.tables import Column, Row, Table
@@ -38,17 +38,17 @@ def describe_widening(evidence: Evidence, place: Row) -> str:
     for name in ("case", "analysis", "limit", "building"):
         frame = frame[frame[name] == place[name]]
     parts = []
-    for row in sorted(frame.to_dict("records"), key=lambda row: bool(row[STATE] == ALONE)):
+    for row in sorted(frame.to_dict("records"), key=lambda row: bool(row[STATE_COLUMN] == ALONE)):
         if not math.isfinite(row["widening"]):
             continue
         both, motions, neighbour = (
             format_number(row[name], 2) if row[name] > 0 else "0" for name in ("spread", "spread_of_median", "widening")
         )
-        parts.append(f"{both} {row[STATE]} (motions {motions}, neighbour {neighbour})")
+        parts.append(f"{both} {row[STATE_COLUMN]} (motions {motions}, neighbour {neighbour})")
     return f"β is {', '.join(parts)}" if parts else ""
 
 
-def show_neighbours(results: ResultTables, limit: Column, median: Column, varying: list[str]) -> Table:
+def show_widening(results: ResultTables, limit: Column, median: Column, varying: list[str]) -> Table:
     """Return the table of how much wider curves are.
 
     limit, median : columns of limits and of medians, as the table of medians has them
@@ -57,7 +57,7 @@ def show_neighbours(results: ResultTables, limit: Column, median: Column, varyin
     table = results.answer(NEIGHBOURS)
     return table.view(
         limit,
-        STATE,
+        STATE_COLUMN,
         _like(median, table.column("median")),
         _like(median, table.column("median_of_median")),
         table.column("spread"),

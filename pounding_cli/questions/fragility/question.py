@@ -14,7 +14,7 @@ from pounding_cli.questions.fragility.demands import CurvePlace, find_demands
 from pounding_cli.questions.fragility.hunt import expected_levels, next_levels
 from pounding_cli.questions.fragility.spec import FragilitySpec
 from pounding_cli.questions.fragility.targets import find_targets
-from pounding_cli.questions.frames import ALONE, POUNDING
+from pounding_cli.questions.frames import ALONE, WITH_POUNDING
 from pounding_cli.questions.hazard import SWEEP_EXAMPLE, build_hazard, find_intensity_axis, measure_motion
 from pounding_cli.questions.neighbours import build_neighbour_axis, list_drawn
 from pounding_cli.questions.question import Answer, StudyQuestion
@@ -127,7 +127,7 @@ class Fragility(StudyQuestion):
         if self.measure == Measure(self.swept):
             return levels
         by_suite: dict[Point, list[float]] = {}
-        suite_axes = self.study.resolved.suite.axes
+        suite_axes = self.study.parts.suite.axes
         suites = [tuple(point[axis] for axis in suite_axes) for point in self.points]
         for suite, point in zip(suites, self.points, strict=True):
             if suite not in by_suite:
@@ -168,7 +168,7 @@ class Fragility(StudyQuestion):
         for point, case, analysis in np.ndindex(numbers.shape[:3]):
             of_case = numbers[point, case, analysis]
             for target in self.targets:
-                histories = {POUNDING: of_case[..., 0]}
+                histories = {WITH_POUNDING: of_case[..., 0]}
                 if target.limit.quantity not in LIMITS_OF_PAIRS:
                     histories = {ALONE: of_case[..., 1 + target.building], **histories}
                 factor = self._find_limit_factor(self.points[point], target)

@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pounding_cli.questions.specs import CONFIDENCE, HAZARD_DESCRIPTION, MEASURES, Hazards, Measure, parse_measure
+from pounding_cli.questions.specs import (
+    CONFIDENCE_QUANTITY,
+    HAZARD_DESCRIPTION,
+    INTENSITY_MEASURES,
+    Hazards,
+    Measure,
+    parse_measure,
+)
 from pounding_cli.study.base import Model, one_or_many, spec_field
 from pounding_cli.study.expression import Limit, parse_limit
 from pounding_cli.study.quantity import ParsedText, WholeNumber
@@ -28,9 +35,9 @@ class FragilitySpec(Model):
         "`ida`: each motion is scaled through the swept intensities until it passes, few of them solved; "
         "`stripes`: every motion at every swept intensity; `cloud`: motions as they are, and a line through them",
     )
-    intensity: Annotated[Measure, ParsedText(parse_measure, "intensity measure", (*MEASURES, "sa(0.5 s)"))] | None = (
-        spec_field(None, "intensity measure of the curves; default: the swept one; for a cloud, pga")
-    )
+    intensity: (
+        Annotated[Measure, ParsedText(parse_measure, "intensity measure", (*INTENSITY_MEASURES, "sa(0.5 s)"))] | None
+    ) = spec_field(None, "intensity measure of the curves; default: the swept one; for a cloud, pga")
     fill: Annotated[int, WholeNumber(0, 1000)] = spec_field(
         4,
         "intensities solved below the one at which a motion passes (`ida`), in case it passes there too",
@@ -38,5 +45,5 @@ class FragilitySpec(Model):
     hazard: Hazards | None = spec_field(
         None, f"{HAZARD_DESCRIPTION}: adds the annual rate of every limit", {"k0": 1e-4, "k": 2.5}
     )
-    confidence: Annotated[float, CONFIDENCE] = spec_field("90 %", "confidence of all intervals")
+    confidence: Annotated[float, CONFIDENCE_QUANTITY] = spec_field("90 %", "confidence of all intervals")
     draws: Annotated[int, WholeNumber(100, 100_000)] = spec_field(1000, "draws of the bootstrap over the motions")

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pounding_cli.numbers import Unit, format_number, pluralize
 from pounding_cli.questions.bootstrap import MIN_MOTIONS
-from pounding_cli.questions.fragility.curves import Outcome
-from pounding_cli.questions.fragility.neighbour_words import describe_drawn, describe_widening, show_neighbours
+from pounding_cli.questions.fragility.curves import FitOutcome
+from pounding_cli.questions.fragility.neighbour_words import describe_drawn, describe_widening, show_widening
 from pounding_cli.questions.fragility.tables import CURVES, NEIGHBOURS, PERCENT, RATES
-from pounding_cli.questions.frames import ALONE, POUNDING, STATE
+from pounding_cli.questions.frames import ALONE, STATE_COLUMN, WITH_POUNDING
 from pounding_cli.questions.hazard import YEARS
 from pounding_cli.report.evidence import find_nominal
 from pounding_cli.study.expression import COLLAPSE, CONTACT, DAMAGE_LIMITS, EDGE_DRIFT, SHEAR_DEMAND, TWIST, parse_limit
@@ -46,16 +46,16 @@ _QUANTITIES = {
     SHEAR_DEMAND: "shear demand of columns",
 }
 _REASONS = {
-    Outcome.NEVER: "never passed",
-    Outcome.ALWAYS: "always passed",
-    Outcome.SEPARATED: "no overlap of intensities at which motions hold and at which they pass",
-    Outcome.FLAT: "no trend: stronger motions do not pass more often",
-    Outcome.FEW: "too few motions or intensities for a curve",
+    FitOutcome.NEVER: "never passed",
+    FitOutcome.ALWAYS: "always passed",
+    FitOutcome.SEPARATED: "no overlap of intensities at which motions hold and at which they pass",
+    FitOutcome.FLAT: "no trend: stronger motions do not pass more often",
+    FitOutcome.FEW: "too few motions or intensities for a curve",
 }
 """Why there is no median, in sentences; tables have the outcome alone."""
 
 
-class Comparison(NamedTuple):
+class ComparedCurves(NamedTuple):
     """The rows of one limit, building, case, analysis and point of the sweep.
 
     place : the columns that say where they stand
@@ -67,16 +67,16 @@ class Comparison(NamedTuple):
     pounding: Row | None
 
 
-def pair_states(frame: pd.DataFrame) -> list[Comparison]:
+def pair_states(frame: pd.DataFrame) -> list[ComparedCurves]:
     """Return the rows of a table by place, those of both states together."""
     columns = list(map(str, frame.columns))
-    place_columns = columns[: columns.index(STATE)]
+    place_columns = columns[: columns.index(STATE_COLUMN)]
     by_place: dict[tuple[Any, ...], dict[str, Row]] = {}
     for row in frame.to_dict("records"):
         key = tuple(row[name] for name in place_columns)
-        by_place.setdefault(key, {})[row[STATE]] = row
+        by_place.setdefault(key, {})[row[STATE_COLUMN]] = row
     return [
-        Comparison(dict(zip(place_columns, key, strict=True)), rows.get(ALONE), rows.get(POUNDING))
+        ComparedCurves(dict(zip(place_columns, key, strict=True)), rows.get(ALONE), rows.get(WITH_POUNDING))
         for key, rows in by_place.items()
     ]
 
@@ -89,7 +89,7 @@ def list_sentences(results: ResultTables) -> list[str]:
     answer = results.answer(CURVES)
     evidence = find_nominal(results)
     curves = pair_states(evidence.rows_here(answer.frame))
-    rates: list[Comparison] = []
+    rates: list[ComparedCurves] = []
     if RATES in results.answers:
         rates = pair_states(evidence.rows_here(results.answer(RATES).frame))
     median = median_column(answer.column("median"))
@@ -97,7 +97,7 @@ def list_sentences(results: ResultTables) -> list[str]:
     point = evidence.format_point(answer.frame.columns)
     sentences = []
     for number, curve in enumerate(curves[:MAX_SENTENCES]):
-        subject = describe_place(curve.place, curves, point, list_twisting_buildings(results))
+        subject = describe_curve_place(curve.place, curves, point, list_twisting_buildings(results))
         sentence = f"{subject}: {compare_medians(curve, median, confidence)}."
         if rates and (words := compare_rates(rates[number], confidence, _count_motions(curve))):
             sentence += f" {words}."
@@ -136,7 +136,9 @@ def list_twisting_buildings(results: ResultTables) -> Collection[str]:
     return set(floors.loc[floors["twist"] > 0.0, "building"])
 
 
-def describe_place(place: Row, others: list[Comparison], point: str = "", twisting: Collection[str] = ()) -> str:
+def describe_curve_place(
+    place: Row, others: list[ComparedCurves], point: str = "", twisting: Collection[str] = ()
+) -> str:
     """Return where a curve stands: building, limit and, where they vary, case, analysis and point of the sweep.
 
     twisting : buildings whose floors twist, where the drift of a storey is that of its centre of mass
@@ -180,17 +182,17 @@ def describe_limit(text: str, twists: bool = False) -> str:
     return f"{quantity} above {value}"
 
 
-def compare_medians(curve: Comparison, median: Column, confidence: str) -> str:
+def compare_medians(curve: ComparedCurves, median: Column, confidence: str) -> str:
     """Return in words what pounding changes of a median capacity, with its direction and number."""
-    rows = {POUNDING: curve.pounding, ALONE: curve.alone}
+    rows = {WITH_POUNDING: curve.pounding, ALONE: curve.alone}
     texts = {state: _describe_median(row, median, confidence) for state, row in rows.items() if row is not None}
     if curve.alone is None or curve.pounding is None:
         return "".join(texts.values())
     ratio = curve.pounding["ratio"]
     if not math.isfinite(ratio):
-        if texts[POUNDING] == texts[ALONE]:
-            return f"{texts[ALONE]}, {ALONE} and {POUNDING}"
-        return f"{POUNDING} {texts[POUNDING]}; {ALONE} {texts[ALONE]}"
+        if texts[WITH_POUNDING] == texts[ALONE]:
+            return f"{texts[ALONE]}, {ALONE} and {WITH_POUNDING}"
+        return f"{WITH_POUNDING} {texts[WITH_POUNDING]}; {ALONE} {texts[ALONE]}"
     with_pounding = replace(median, low="", high="").format_with_unit(curve.pounding)
     alone = replace(median, low="", high="").format_with_unit(curve.alone)
     if _is_one(curve.pounding, "ratio"):
@@ -201,22 +203,22 @@ def compare_medians(curve: Comparison, median: Column, confidence: str) -> str:
         motions = pluralize(_count_motions(curve), "motion")
         return (
             f"the difference is not significant with {motions} "
-            f"(median capacity {with_pounding} {POUNDING}, {alone} {ALONE}; factor {factor}, {interval})"
+            f"(median capacity {with_pounding} {WITH_POUNDING}, {alone} {ALONE}; factor {factor}, {interval})"
         )
     medians = f"({interval}; median capacity {with_pounding} in place of {alone})"
     if ratio < 1:
-        return f"{POUNDING} a motion {factor} times as strong is enough {medians}"
-    return f"{POUNDING} it takes a motion {factor} times as strong {medians}"
+        return f"{WITH_POUNDING} a motion {factor} times as strong is enough {medians}"
+    return f"{WITH_POUNDING} it takes a motion {factor} times as strong {medians}"
 
 
-def compare_rates(rates: Comparison, confidence: str, motions: int) -> str:
+def compare_rates(rates: ComparedCurves, confidence: str, motions: int) -> str:
     """Return in words what pounding changes of an annual rate; "" where there is none.
 
     motions : behind both rates
     """
     texts = [
         f"{_format_rate(row['rate'])} {state}"
-        for state, row in ((POUNDING, rates.pounding), (ALONE, rates.alone))
+        for state, row in ((WITH_POUNDING, rates.pounding), (ALONE, rates.alone))
         if row is not None and math.isfinite(row["rate"])
     ]
     if not texts:
@@ -231,7 +233,7 @@ def compare_rates(rates: Comparison, confidence: str, motions: int) -> str:
     return f"{words}: {format_number(row['rate_ratio'], 3)} times as often ({interval})"
 
 
-def _count_motions(curve: Comparison) -> int:
+def _count_motions(curve: ComparedCurves) -> int:
     """Return the motions behind the curves of both states, the fewer where they differ."""
     return min(int(row["motions"]) for row in (curve.alone, curve.pounding) if row is not None)
 
@@ -284,7 +286,7 @@ def _describe_median(row: Row, median: Column, confidence: str) -> str:
 def _describe_outcome(row: Row) -> str:
     """Return the outcome of a fit; of undecided motions with how many they are."""
     outcome = str(row["outcome"])
-    if outcome == Outcome.UNDECIDED:
+    if outcome == FitOutcome.UNDECIDED:
         outcome += f" in {int(row['undecided_motions'])} of {int(row['motions'])} motions"
     return outcome
 
@@ -311,7 +313,7 @@ def list_tables(results: ResultTables) -> list[Table]:
     if NEIGHBOURS in results.answers:
         curves = results.answer(CURVES)
         median = median_column(curves.column("median"))
-        tables.append(show_neighbours(results, _limit_column(curves), median, _varying(curves)))
+        tables.append(show_widening(results, _limit_column(curves), median, _varying(curves)))
     return tables
 
 
@@ -352,7 +354,7 @@ def _view_medians(curves: Table) -> Table:
     """Return the medians, a row a curve and point of the sweep."""
     return curves.view(
         _limit_column(curves),
-        STATE,
+        STATE_COLUMN,
         median_column(curves.column("median")),
         _ratio_column(curves.column("ratio")),
         replace(curves.column("spread"), digits=3, optional=True),
@@ -365,7 +367,7 @@ def _view_rates(rates: Table) -> Table:
     """Return the annual rates of the limits, a row as in the table of medians."""
     return rates.view(
         _limit_column(rates),
-        STATE,
+        STATE_COLUMN,
         replace(rates.column("rate"), digits=3, label="annual rate"),
         replace(rates.column("probability"), digits=3, unit=PERCENT, label=f"in {YEARS:g} years", optional=True),
         _ratio_column(rates.column("rate_ratio")),

@@ -5,12 +5,12 @@ from __future__ import annotations
 from pounding_cli.questions.gap.spec import GapSpec
 from pounding_cli.questions.gap.tables import COLUMNS_BY_TABLE
 from pounding_cli.questions.question import LateFunction, Question
-from pounding_cli.study.schema import Section
+from pounding_cli.study.schema import StudySection
 
 QUESTION = Question(
     name="gap",
     ask=LateFunction("pounding_cli.questions.gap.question:Gap"),
-    section=Section(
+    section=StudySection(
         "gap",
         GapSpec,
         "settings of `pound gap`; gaps stand in cases, `cases: {near: {link: pounding, gap: 5 cm}}`",

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pounding_cli.questions.bootstrap import MIN_MOTIONS
-from pounding_cli.questions.gap.separations import list_points
+from pounding_cli.questions.gap.separations import list_sweep_points
 from pounding_cli.questions.gap.statistics import build_point_table
-from pounding_cli.questions.gap.tables import CODES_COLUMNS, CODES_TABLE, CONFIDENCE, EXACT, MOTION_RULES
+from pounding_cli.questions.gap.tables import CODES_COLUMNS, CODES_TABLE, EXACT, GAP_CONFIDENCE, MOTION_RULES
 from pounding_cli.study import Plan
 from pounding_cli.tables import Table
 
@@ -43,7 +43,7 @@ def build_codes_table(plan: Plan, separations: pd.DataFrame, basis: RateBasis | 
     import pandas as pd
 
     keys = ["point", "analysis", "number"]
-    points = list_points(plan)
+    points = list_sweep_points(plan)
     closings = _find_closings(separations)
     of_codes = separations[~separations["rule"].isin(MOTION_RULES) & separations["value"].notna()]
     gaps = of_codes.groupby([*keys, "rule"], observed=True)["value"].max().reset_index()
@@ -109,6 +109,6 @@ def estimate_contact(closings: np.ndarray, gap: float) -> tuple[float, float, fl
     if closings.size < MIN_MOTIONS:
         return probability, np.nan, np.nan
     root = np.sqrt(closings.size)
-    tails = np.array([(1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2])
+    tails = np.array([(1 - GAP_CONFIDENCE) / 2, (1 + GAP_CONFIDENCE) / 2])
     low, high = special.ndtr(-special.nctdtrinc(closings.size - 1, tails, root * distance) / root)
     return probability, float(low), float(high)

@@ -89,12 +89,12 @@ def build_edge_plans(study: Study, links: Swept[tuple[Link, ...]]) -> list[EdgeP
     plans = []
     for name in dict.fromkeys(study.spec.group):
         places = tuple(place for place, other in enumerate(study.spec.group) if other == name)
-        if any(needs_plan(building) for _, building in study.resolved.types[name].iter_values()):
+        if any(needs_plan(building) for _, building in study.parts.types[name].iter_values()):
             between_walls = _put_between_walls(study, name)
             link = partial(_link_to_walls, places=places)
-            of_walls = {Apart.name: sweep_map(link, between_walls.resolved.group, links)}
-            resolved = dataclasses.replace(between_walls.resolved, links=of_walls)
-            plans.append(EdgePlan(places, make_plan(between_walls, resolved)))
+            of_walls = {Apart.name: sweep_map(link, between_walls.parts.group, links)}
+            parts = dataclasses.replace(between_walls.parts, links=of_walls)
+            plans.append(EdgePlan(places, make_plan(between_walls, parts)))
     return plans
 
 

@@ -138,7 +138,8 @@ class GapEvidence:
         row : of these
         """
         return Need(
-            required, row["mean"], describe_place(row), bool(row["mean"] >= rows["mean"].max()), bool(row.get("end")),
+            required, row["mean"], describe_facing_place(row), bool(row["mean"] >= rows["mean"].max()),
+            bool(row.get("end")),
             int(row["motions"]), self.count_motions() - int(row["motions"]), gap, enough,
         )  # fmt: skip
 
@@ -231,7 +232,7 @@ def select_widest(frame: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
     return widest[keys].drop_duplicates().merge(frame.merge(widest, on=places), on=keys)
 
 
-def describe_place(row: Row) -> str:
+def describe_facing_place(row: Row) -> str:
     """Return where two neighbours face each other, for a sentence: "floor 5", "the low end of the shared edge of floor
     5"."""
     floors = describe_floors({**row, "end": ""})

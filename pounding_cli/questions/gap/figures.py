@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pounding_cli.model.separation import ASCE7, E030, EN1998, GB50011, NBC202, NTC2008, NTC2018, TBDY2018
+from pounding_cli.model.separation import E030, NBC202, NTC2008, TBDY2018
 from pounding_cli.questions.gap.evidence import PLACE_KEYS, GapEvidence
 from pounding_cli.questions.gap.neighbour_figures import draw_probabilities
 from pounding_cli.questions.gap.neighbour_words import describe_neighbours
 from pounding_cli.questions.gap.sentences import list_sentences
-from pounding_cli.questions.gap.tables import CONFIDENCE, EXACT, NEIGHBOURS_TABLE
+from pounding_cli.questions.gap.tables import EXACT, GAP_CONFIDENCE, NEIGHBOURS_TABLE
+from pounding_cli.records.code_spectra import ASCE7, EN1998, GB50011, NTC2018
 from pounding_cli.report.document import Picture
 from pounding_cli.report.evidence import describe_motions
 from pounding_cli.report.style import finish, grid, shared_legend, with_style
@@ -98,7 +99,7 @@ def _select_governing_ends(gaps: pd.DataFrame) -> pd.DataFrame:
 def _describe_figure(evidence: GapEvidence) -> str:
     """Return what the lines of the figure are."""
     where = f"At {evidence.shown.label}. " if evidence.shown.label else ""
-    lines = f"Grey: every motion, exact. Lines: mean over the motions. Band: {100 * CONFIDENCE:.0f} % confidence."
+    lines = f"Grey: every motion, exact. Lines: mean over the motions. Band: {100 * GAP_CONFIDENCE:.0f} % confidence."
     if "end" in evidence.gaps and evidence.gaps["end"].any():
         lines += " At every height the end of the shared edge that needs most."
     return f"{where}{lines} {describe_motions(evidence.shown.records)}"

@@ -84,7 +84,7 @@ def _describe_kind(row: Row, number: int) -> str:
     return f"as {_KINDS[row['analysis']]} {'ones' if number else 'buildings'}"
 
 
-def describe_spread(evidence: GapEvidence, pair: tuple[str, str]) -> str:
+def describe_neighbour_spread(evidence: GapEvidence, pair: tuple[str, str]) -> str:
     """Return what the neighbour adds to the scatter of the required gap; "" where nothing is known of it."""
     if not _list_drawn_places(evidence, pair):
         return ""

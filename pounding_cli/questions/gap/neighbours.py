@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pounding_cli.questions.bootstrap import build_estimate, draw_motions
+from pounding_cli.questions.bootstrap import DRAWS, build_estimate, draw_motions
 from pounding_cli.questions.gap.cases import build_gap_frame
-from pounding_cli.questions.gap.separations import list_points
+from pounding_cli.questions.gap.separations import list_sweep_points
 from pounding_cli.questions.gap.statistics import build_point_table
 from pounding_cli.questions.gap.tables import (
-    CONFIDENCE,
     EXACT,
+    GAP_CONFIDENCE,
     NEIGHBOUR_CASES_COLUMNS,
     NEIGHBOUR_CASES_TABLE,
     NEIGHBOUR_COLUMNS,
@@ -29,9 +29,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from pounding_cli.questions.gap.rate import RateBasis
-
-DRAWS = 300
-"""Draws of the bootstrap over the neighbours and over the motions."""
 
 
 def select_median(separations: pd.DataFrame, buildings: int) -> pd.DataFrame:
@@ -90,7 +87,7 @@ class Closings:
         with np.errstate(invalid="ignore"):
             place = (weights >= share * weights[:, -1:] - 1e-9).argmax(axis=1)
         gaps = values[order][place]
-        return build_estimate(name_enough(share), gaps, CONFIDENCE, self.values.shape[1])
+        return build_estimate(name_enough(share), gaps, GAP_CONFIDENCE, self.values.shape[1])
 
     def find_probability(self, fits: np.ndarray) -> dict[str, Any]:
         """Return the probability that a gap is enough, with its interval [-].
@@ -101,7 +98,7 @@ class Closings:
         total = (self.draws * known).sum(axis=(1, 2))
         enough = (self.draws * (known & fits)).sum(axis=(1, 2))
         probability = enough / np.maximum(total, 1e-300)
-        return build_estimate("enough", probability, CONFIDENCE, self.values.shape[1])
+        return build_estimate("enough", probability, GAP_CONFIDENCE, self.values.shape[1])
 
     def split_spread(self) -> dict[str, float]:
         """Return the spread over the motions, over the neighbours and over both (law of total variance)."""
@@ -125,7 +122,7 @@ def build_neighbour_tables(
     basis : of annual rates; None without a hazard curve
     """
     drawn = _select_drawn(separations, len(plan.axes[-1]))
-    points = list_points(plan)
+    points = list_sweep_points(plan)
     gaps = build_gap_frame(study, plan)
     rows = []
     case_rows = []

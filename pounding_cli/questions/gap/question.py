@@ -111,12 +111,12 @@ class Gap(StudyQuestion):
     def links(self) -> Swept[tuple[Link, ...]]:
         """The links without force between all floors that face each other."""
         link = partial(link_all_facing, street_places=find_street_places(self.study))
-        return sweep_map(link, self.apart.resolved.group)
+        return sweep_map(link, self.apart.parts.group)
 
     @cached_property
     def plan(self) -> Plan:
         """The time histories of every motion and analysis, with nothing between the buildings."""
-        return make_plan(self.apart, dataclasses.replace(self.apart.resolved, links={Apart.name: self.links}))
+        return make_plan(self.apart, dataclasses.replace(self.apart.parts, links={Apart.name: self.links}))
 
     @cached_property
     def edge_plans(self) -> list[EdgePlan]:

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pounding_cli.questions.bootstrap import build_estimate, draw_motions
+from pounding_cli.questions.bootstrap import DRAWS, build_estimate, draw_motions
 from pounding_cli.questions.frames import build_swept_frame, list_swept_columns
-from pounding_cli.questions.gap.separations import list_points
-from pounding_cli.questions.gap.tables import CONFIDENCE, EXACT, GAP_RATE_COLUMNS, RATE_TABLE, is_length
+from pounding_cli.questions.gap.separations import list_sweep_points
+from pounding_cli.questions.gap.tables import EXACT, GAP_CONFIDENCE, GAP_RATE_COLUMNS, RATE_TABLE, is_length
 from pounding_cli.questions.hazard import MIN_GAP, Hazard, compute_contact_rates, find_gaps, poisson_probability
 from pounding_cli.study import Plan
 from pounding_cli.study.swept import Point
@@ -19,9 +19,6 @@ from pounding_cli.tables import Table, build_table
 
 if TYPE_CHECKING:
     import pandas as pd
-
-DRAWS = 300
-"""Draws of the bootstrap over the motions."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +54,7 @@ class RateBasis:
         draws = _draw_columns(closings)
         log_gaps = np.full(len(draws), np.log(gap))
         rates = compute_contact_rates(self.hazard, log_gaps, *_take_logarithms(closings), draws)
-        return build_estimate("rate", rates, CONFIDENCE, motions)
+        return build_estimate("rate", rates, GAP_CONFIDENCE, motions)
 
     def take_logarithms(self, other: Point, analysis: str, number: int) -> tuple[np.ndarray, np.ndarray]:
         """Return the logarithms of intensities, shape (levels,), and of the closings of a pair, shape
@@ -89,7 +86,7 @@ def build_rate_basis(
     keys = ["point", "analysis", "number", "neighbour", "motion"]
     largest = exact.groupby(keys, observed=True)["value"].agg(lambda values: values.max(skipna=False)).reset_index()
     basis = RateBasis(hazard, intensity_axis, {})
-    points = list_points(plan)
+    points = list_sweep_points(plan)
     places = np.array([0 if intensity_axis is None else point[intensity_axis] for point in points])
     others = [basis.drop_intensity(point) for point in points]
     largest["other"] = [others[point] for point in largest["point"]]
@@ -133,7 +130,7 @@ def _find_gap(hazard: Hazard, rate: float, closings: pd.DataFrame) -> dict[str, 
     if motions < 2:
         return counts
     gaps = find_gaps(hazard, rate, *_take_logarithms(closings), _draw_columns(closings))
-    return counts | build_estimate("gap", gaps, CONFIDENCE, motions)
+    return counts | build_estimate("gap", gaps, GAP_CONFIDENCE, motions)
 
 
 def _count_motions(closings: pd.DataFrame) -> int:

@@ -11,12 +11,12 @@ from pounding_cli.questions.gap.evidence import (
     CaseEntry,
     GapEvidence,
     Need,
-    describe_place,
+    describe_facing_place,
     list_written_gaps,
     select_exact,
     select_widest,
 )
-from pounding_cli.questions.gap.neighbour_words import describe_neighbours, describe_spread
+from pounding_cli.questions.gap.neighbour_words import describe_neighbour_spread, describe_neighbours
 from pounding_cli.questions.gap.tables import CASES_TABLE, EXACT, GAP_TABLE, NO, RATE_TABLE, UNKNOWN, YES
 from pounding_cli.questions.hazard import YEARS
 from pounding_cli.study.file import parse
@@ -43,7 +43,7 @@ def list_sentences(results: ResultTables) -> list[str]:
     evidence = GapEvidence(results)
     point = f"At {evidence.shown.label}: " if evidence.shown.label else ""
     sentences = [describe_neighbours(evidence, pair) for pair in evidence.pairs]
-    sentences += [describe_spread(evidence, pair) for pair in evidence.pairs]
+    sentences += [describe_neighbour_spread(evidence, pair) for pair in evidence.pairs]
     if RATE_TABLE in results.answers:
         sentences += [_describe_rate(evidence, pair) for pair in evidence.pairs]
     failed = [_describe_failed_analysis(evidence, analysis) for analysis in evidence.analyses]
@@ -346,7 +346,7 @@ def _describe_contact(evidence: GapEvidence, pair: tuple[str, str]) -> str:
     rows = rows[(rows["rule"] == EXACT) & rows[column.name].notna()]
     if rows.empty:
         return ""
-    floors = " or ".join(dict.fromkeys(describe_place(row) for row in rows.to_dict("records")))
+    floors = " or ".join(dict.fromkeys(describe_facing_place(row) for row in rows.to_dict("records")))
     widths: list[str] = []
     article = "the " if evidence.has_wall(pair) else ""
     for row in rows.drop_duplicates("analysis").to_dict("records"):

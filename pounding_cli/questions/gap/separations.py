@@ -44,7 +44,7 @@ CodeEdges = Callable[[Point, int, float], dict[str, np.ndarray] | None]
 """code_edges(index, building, arm) -> displacements that codes expect at an arm of the floors of a building, by rule
 [m], of shape (storeys,); None where they do not twist."""
 
-Place = dict[str, Any]
+RowPlace = dict[str, Any]
 """Columns that say where something is required; `point` of the sweep by number."""
 
 Requirements = dict[str, tuple[Any, Any]]
@@ -105,7 +105,7 @@ class PointState:
         return _interpolate(displacements, building, floor, at)
 
 
-def list_points(plan: Plan) -> list[Point]:
+def list_sweep_points(plan: Plan) -> list[Point]:
     """Return the points of the sweep of a plan, in the order of their numbers."""
     return list(np.ndindex(*plan.shape[:-3]))
 
@@ -124,7 +124,7 @@ def build_separations(plan: Plan, spec: GapSpec, arrays: ResultArrays, edges: Ed
 
 def _iter_separations(
     plan: Plan, spec: GapSpec, arrays: ResultArrays, edges: EdgeMovements
-) -> Iterator[tuple[Place, Requirements]]:
+) -> Iterator[tuple[RowPlace, Requirements]]:
     """Yield every two places of floors that face each other with the rules that say something there."""
     for state in _iter_points(plan, arrays, edges):
         for place, link_place in enumerate(plan.links.places):
@@ -140,7 +140,7 @@ def _iter_points(plan: Plan, arrays: ResultArrays, edges: EdgeMovements) -> Iter
     displacements = np.concatenate([sways[..., None], _read_by_point(plan, arrays, "displacement")], axis=-1)
     code_displacements = _find_code_displacements(plan)
     code_edges = _find_code_edges(plan)
-    for number, index in enumerate(list_points(plan)):
+    for number, index in enumerate(list_sweep_points(plan)):
         buildings = [plan.study.building(index, place) for place in range(len(plan.buildings))]
         is_wall = [isinstance(building, Wall) for building in buildings]
         by_code = _read_code_displacements(plan, index, code_displacements)
@@ -162,7 +162,7 @@ def _iter_points(plan: Plan, arrays: ResultArrays, edges: EdgeMovements) -> Iter
 
 def _require_separation(
     plan: Plan, spec: GapSpec, state: PointState, place: int, link_place: LinkPlace
-) -> tuple[Place, Requirements]:  # fmt: skip
+) -> tuple[RowPlace, Requirements]:  # fmt: skip
     """Return where two floors face each other, and what they require there by every rule.
 
     place : number of the link among `plan.links`
@@ -201,7 +201,7 @@ def _require_separation(
             )
             rules[rule.name] = (rule.separation(code_place, **settings), 0.0)
     facing = (*plan.buildings[left : left + 2], floor, right_floor, link_place.struck_sides)
-    where: Place = {"point": state.number, "place": place, "number": left}
+    where: RowPlace = {"point": state.number, "place": place, "number": left}
     where |= dict(zip(FACING_KEYS, facing, strict=True))
     where["height"] = height
     if has_ends(plan):
@@ -211,11 +211,11 @@ def _require_separation(
 
 def has_ends(plan: Plan) -> bool:
     """Return whether floors twist somewhere, so that what they require depends on the place along the street."""
-    types = [plan.study.resolved.types[name] for name in plan.study.spec.group]
+    types = [plan.study.parts.types[name] for name in plan.study.spec.group]
     return any(needs_plan(building) for each in types for _, building in each.iter_values())
 
 
-def find_street_columns(plan: Plan, index: Point, place: int) -> Place:
+def find_street_columns(plan: Plan, index: Point, place: int) -> RowPlace:
     """Return where two floors face each other along the street, as columns of tables; nowhere if neither twists.
 
     place : number of the link among `plan.links`
@@ -283,7 +283,7 @@ def build_distances(plan: Plan, spec: GapSpec, arrays: ResultArrays, edges: Edge
 
 def _iter_distances(
     plan: Plan, spec: GapSpec, arrays: ResultArrays, edges: EdgeMovements
-) -> Iterator[tuple[Place, Requirements]]:
+) -> Iterator[tuple[RowPlace, Requirements]]:
     """Yield every floor and side with the rules that say something there."""
     relative_errors = _read_by_point(plan, arrays, "error_estimate")
     peaks = np.nanmax(_read_by_point(plan, arrays, "displacement"), axis=-1, initial=0.0)
@@ -291,7 +291,7 @@ def _iter_distances(
     to_right = _read_by_point(plan, arrays, "displacement_max")
     code_displacements = _find_code_displacements(plan)
     code_edges = _find_code_edges(plan)
-    for point, index in enumerate(list_points(plan)):
+    for point, index in enumerate(list_sweep_points(plan)):
         by_code = _read_code_displacements(plan, index, code_displacements)
         for number, name in enumerate(plan.buildings):
             building = plan.study.building(index, number)
@@ -314,24 +314,24 @@ def _iter_distances(
                     }
                     for side, moved in moved_by_side.items():
                         error = relative_errors[point] * np.fmax(peaks[point, :, :, number], moved)
-                        where: Place = {"point": point, "building": name, "side": side}
+                        where: RowPlace = {"point": point, "building": name, "side": side}
                         where |= {"floor": floor, "height": height}
                         yield where | ends, {EXACT: (moved, error), **of_codes}
 
 
 def _list_ends(
     plan: Plan, edges: EdgeMovements, index: Point, number: int, floor: int, at_centre: Mapping[str, np.ndarray]
-) -> list[tuple[Place, Mapping[str, np.ndarray]]]:
+) -> list[tuple[RowPlace, Mapping[str, np.ndarray]]]:
     """Return the ends of a side of a floor, as columns of tables, with the movement to both sides there [m]; the
     movement of its centre where it does not twist.
 
     number : of the building
     """
     plan_of_floors = plan.study.building(index, number).plan
-    nowhere: Place = {"end": "", "street": np.nan} if has_ends(plan) else {}
+    nowhere: RowPlace = {"end": "", "street": np.nan} if has_ends(plan) else {}
     if plan_of_floors is None:
         return [(nowhere, at_centre)]
-    ends: list[tuple[Place, Mapping[str, np.ndarray]]] = []
+    ends: list[tuple[RowPlace, Mapping[str, np.ndarray]]] = []
     for end, arm in ((LOW_END, plan_of_floors.low), (HIGH_END, plan_of_floors.high)):
         movements = edges.find(index, number, arm)
         if movements is None:
@@ -352,13 +352,13 @@ def _read_by_point(plan: Plan, arrays: ResultArrays, name: str) -> np.ndarray:
 
 def _find_code_displacements(plan: Plan) -> CodeDisplacements:
     """Return the displacements of all building types that codes expect."""
-    resolved = plan.study.resolved
-    return {name: resolved.displacements(name) for name in plan.study.spec.group}
+    parts = plan.study.parts
+    return {name: parts.displacements(name) for name in plan.study.spec.group}
 
 
 def _find_code_edges(plan: Plan) -> CodeEdges:
     """Return a function of point, building and arm that finds what codes expect there of floors that twist."""
-    specs = plan.study.resolved.building_specs
+    specs = plan.study.parts.building_specs
 
     @functools.cache
     def find(index: Point, place: int, arm: float) -> dict[str, np.ndarray] | None:
@@ -391,11 +391,11 @@ def find_ubc_edition(plan: Plan) -> str:
     return editions.pop() if len(editions) == 1 else UBC
 
 
-def _build_frame(plan: Plan, requirements: Iterable[tuple[Place, Requirements]]) -> pd.DataFrame:
+def _build_frame(plan: Plan, requirements: Iterable[tuple[RowPlace, Requirements]]) -> pd.DataFrame:
     """Return `value` and `error` [m] of every place (`row`, with its columns), rule, analysis and motion."""
     import pandas as pd
 
-    places: list[Place] = []
+    places: list[RowPlace] = []
     rules: list[str] = []
     columns: dict[str, list[np.ndarray]] = {name: [] for name in ("row", "analysis", "motion", "value", "error")}
     for row, (where, values_by_rule) in enumerate(requirements):

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator
 
 from pounding_cli.model.separation import CODE_RULES, GB_SHARE, GB_STEP, CodeRule
-from pounding_cli.questions.specs import HAZARD_DESCRIPTION, RATE, Hazards, percents
+from pounding_cli.questions.specs import ANNUAL_RATE, HAZARD_DESCRIPTION, Hazards, percents
 from pounding_cli.study.base import Model, SpecIssue, one_or_many, spec_field
 from pounding_cli.study.quantity import ACCELERATION, ParsedText, Quantity, WholeNumber, refuse, written_unit
 
@@ -87,7 +87,7 @@ class GapSpec(Model):
         f"{HAZARD_DESCRIPTION}; for `rate`, and for the rate of contact at the gaps of codes",
         {"0.1 g": 0.02, "0.4 g": "1/475"},
     )
-    rate: Annotated[float, RATE] | None = spec_field(None, "annual rate of contact: the gap for it", "1/2475")
+    rate: Annotated[float, ANNUAL_RATE] | None = spec_field(None, "annual rate of contact: the gap for it", "1/2475")
 
     def issues(self) -> Iterator[SpecIssue]:
         if self.rate is not None and self.hazard is None:

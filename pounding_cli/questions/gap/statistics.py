@@ -9,12 +9,12 @@ import numpy as np
 
 from pounding_cli.questions.bootstrap import MIN_MOTIONS
 from pounding_cli.questions.frames import build_swept_frame, list_swept_columns
-from pounding_cli.questions.gap.separations import list_points
+from pounding_cli.questions.gap.separations import list_sweep_points
 from pounding_cli.questions.gap.spec import GapSpec
 from pounding_cli.questions.gap.tables import (
     COLUMNS_BY_TABLE,
-    CONFIDENCE,
     EXACT,
+    GAP_CONFIDENCE,
     MOTION_RULES,
     is_length,
     list_share_columns,
@@ -59,7 +59,7 @@ def build_point_table(
     """
     import pandas as pd
 
-    points = list_points(plan)
+    points = list_sweep_points(plan)
     swept = build_swept_frame(plan.axes, [points[number] for number in rows["point"]])
     texts = {name: object for name in ("analysis", "rule") if name in names}
     frame = pd.concat([swept, rows[list(names)].astype(texts)], axis=1)
@@ -76,7 +76,7 @@ def compute_statistics(
 
     separations : `value` and `error` [m], a row a motion; NaN where there is none
     percentiles : shares of the motions [-]
-    contact : probabilities of contact [-], for a gap by a lognormal fit with an interval of CONFIDENCE; NaN unless
+    contact : probabilities of contact [-], for a gap by a lognormal fit with an interval of GAP_CONFIDENCE; NaN unless
         several motions have a value and all of these are above 0
     """
     import pandas as pd
@@ -115,6 +115,6 @@ def find_fit_factors(motions: int, probability: float) -> tuple[float, float, fl
     if motions < MIN_MOTIONS:
         return z, np.nan, np.nan
     root = np.sqrt(motions)
-    tails = [(1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2]
+    tails = [(1 - GAP_CONFIDENCE) / 2, (1 + GAP_CONFIDENCE) / 2]
     low, high = special.nctdtrit(motions - 1, z * root, tails) / root
     return z, float(low), float(high)

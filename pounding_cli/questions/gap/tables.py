@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from pounding_cli.numbers import Unit
 from pounding_cli.questions.bootstrap import MIN_MOTIONS
-from pounding_cli.questions.frames import NUMBER, list_estimate_columns
+from pounding_cli.questions.frames import PURE_NUMBER, list_estimate_columns
 from pounding_cli.tables import Column
 from pounding_cli.variables import COORDINATE_VARIABLES
 
@@ -49,13 +49,13 @@ NO = "no"
 UNKNOWN = "unknown"
 """Values of the column `enough`."""
 
-CONFIDENCE = 0.90
+GAP_CONFIDENCE = 0.90
 """Confidence of the intervals [-]."""
 
 NEIGHBOUR_SHARES = (0.50, 0.84, 0.95)
 """Probabilities for which a gap beside a neighbour that is only seen is told [-]."""
 
-LENGTH = Unit("m", 1.0, "m")
+METRES = Unit("m", 1.0, "m")
 
 
 def name_enough(share: float) -> str:
@@ -71,38 +71,38 @@ _RIGHT = Column("right", "building right of the gap")
 FACING_COLUMNS = (
     _LEFT,
     _RIGHT,
-    Column("floor", "floor of the left building", NUMBER, digits=0),
-    Column("right_floor", "floor of the right building", NUMBER, "floor right", digits=0),
+    Column("floor", "floor of the left building", PURE_NUMBER, digits=0),
+    Column("right_floor", "floor of the right building", PURE_NUMBER, "floor right", digits=0),
     Column(
         "columns",
         "building whose columns or walls, in the storey below its floor, a slab of the other faces: left or right; "
         "empty where two slabs face each other",
     ),
     Column("end", "of floors that twist, the end of the edge that they share, or another place; empty of others"),
-    Column("street", "of floors that twist, place along the street; NaN of others", LENGTH),
+    Column("street", "of floors that twist, place along the street; NaN of others", METRES),
 )
 
 STATISTIC_COLUMNS = (
-    Column("motions", "number of motions behind the row; 0 where the rule depends on none", NUMBER, digits=0),
-    Column("mean", "mean over the motions", LENGTH),
-    Column("std", "standard deviation over the motions (n - 1)", LENGTH, "σ"),
-    Column("mean_plus_std", "mean plus one standard deviation", LENGTH, "mean + σ"),
-    Column("largest", "largest of the motions", LENGTH),
-    Column("median", "median of the lognormal fit", LENGTH),
-    Column("dispersion", "standard deviation of the logarithm (n - 1)", NUMBER),
+    Column("motions", "number of motions behind the row; 0 where the rule depends on none", PURE_NUMBER, digits=0),
+    Column("mean", "mean over the motions", METRES),
+    Column("std", "standard deviation over the motions (n - 1)", METRES, "σ"),
+    Column("mean_plus_std", "mean plus one standard deviation", METRES, "mean + σ"),
+    Column("largest", "largest of the motions", METRES),
+    Column("median", "median of the lognormal fit", METRES),
+    Column("dispersion", "standard deviation of the logarithm (n - 1)", PURE_NUMBER),
     Column(
         "error",
         "largest numerical error of a motion's separation; no statistic but those of the fit exceeds it",
-        LENGTH,
+        METRES,
         digits=2,
     ),
-    Column("over_exact", "mean over the mean of the exact separations", NUMBER, "mean over exact"),
+    Column("over_exact", "mean over the mean of the exact separations", PURE_NUMBER, "mean over exact"),
 )
 
 GAP_COLUMNS = (
     _ANALYSIS,
     *FACING_COLUMNS,
-    Column("height", "height of the slab above the ground", LENGTH),
+    Column("height", "height of the slab above the ground", METRES),
     _RULE,
     *STATISTIC_COLUMNS,
 )
@@ -112,10 +112,10 @@ LINE_COLUMNS = (
     _ANALYSIS,
     Column("building", COORDINATE_VARIABLES["building"][1]),
     Column("side", "side of the building that faces the line: left or right"),
-    Column("floor", COORDINATE_VARIABLES["floor"][1], NUMBER, digits=0),
+    Column("floor", COORDINATE_VARIABLES["floor"][1], PURE_NUMBER, digits=0),
     Column("end", "of a floor that twists, the end of its side along the street; empty of others"),
-    Column("street", "of a floor that twists, place along the street; NaN of others", LENGTH),
-    Column("height", "height of the floor above the ground", LENGTH),
+    Column("street", "of a floor that twists, place along the street; NaN of others", METRES),
+    Column("height", "height of the floor above the ground", METRES),
     _RULE,
     *STATISTIC_COLUMNS,
 )
@@ -125,15 +125,15 @@ CASES_COLUMNS = (
     Column("case", COORDINATE_VARIABLES["case"][1]),
     _ANALYSIS,
     *FACING_COLUMNS,
-    Column("gap", "gap of the case at the governing floors", LENGTH),
+    Column("gap", "gap of the case at the governing floors", METRES),
     _RULE,
-    Column("required", "gap required by the rule at the governing floors, the largest of the motions", LENGTH),
+    Column("required", "gap required by the rule at the governing floors, the largest of the motions", METRES),
     Column(
         "enough",
         "whether the gap is wide enough at all floors of the pair, under all motions; unknown where runs failed",
     ),
-    Column("enough_for", "motions for which it is; 0 of a rule that depends on none", NUMBER, digits=0),
-    Column("motions", "motions whose runs did not fail; 0 of a rule that depends on none", NUMBER, digits=0),
+    Column("enough_for", "motions for which it is; 0 of a rule that depends on none", PURE_NUMBER, digits=0),
+    Column("motions", "motions whose runs did not fail; 0 of a rule that depends on none", PURE_NUMBER, digits=0),
 )
 """Columns of CASES_TABLE. The governing floors lack most, or have least to spare."""
 
@@ -141,12 +141,12 @@ GAP_RATE_COLUMNS = (
     _ANALYSIS,
     _LEFT,
     _RIGHT,
-    Column("motions", "motions at every intensity", NUMBER, digits=0),
-    Column("intensities", "number of intensities", NUMBER, digits=0),
+    Column("motions", "motions at every intensity", PURE_NUMBER, digits=0),
+    Column("intensities", "number of intensities", PURE_NUMBER, digits=0),
     Column("rate", "annual rate of contact that is allowed", Unit("1/year", 1.0, "1/year")),
-    Column("probability", "probability of contact within 50 years at this rate", NUMBER),
+    Column("probability", "probability of contact within 50 years at this rate", PURE_NUMBER),
     *list_estimate_columns(
-        Column("gap", "gap with this rate of contact at any floor of the pair", LENGTH, digits=3), "bootstrap interval"
+        Column("gap", "gap with this rate of contact at any floor of the pair", METRES, digits=3), "bootstrap interval"
     ),
 )
 """Columns of RATE_TABLE."""
@@ -156,9 +156,9 @@ CODES_COLUMNS = (
     _LEFT,
     _RIGHT,
     Column("rule", "name of the code"),
-    Column("gap", "gap of the code, the largest of all floors of the pair", LENGTH),
-    Column("motions", "motions whose runs did not fail", NUMBER, digits=0),
-    Column("closed", "motions that close this gap at some floor", NUMBER, digits=0),
+    Column("gap", "gap of the code, the largest of all floors of the pair", METRES),
+    Column("motions", "motions whose runs did not fail", PURE_NUMBER, digits=0),
+    Column("closed", "motions that close this gap at some floor", PURE_NUMBER, digits=0),
     *list_estimate_columns(
         Column(
             "probability",
@@ -167,7 +167,7 @@ CODES_COLUMNS = (
             "contact",
             digits=2,
         ),
-        f"{100 * CONFIDENCE:.0f} % confidence interval, from {MIN_MOTIONS} motions on",
+        f"{100 * GAP_CONFIDENCE:.0f} % confidence interval, from {MIN_MOTIONS} motions on",
     ),
     *list_estimate_columns(
         Column(
@@ -179,12 +179,12 @@ CODES_COLUMNS = (
 """Columns of CODES_TABLE."""
 
 _DRAWN_COLUMNS = (
-    Column("neighbours", "number of the buildings that the neighbour may be", NUMBER, digits=0),
-    Column("motions", "number of the motions", NUMBER, digits=0),
-    Column("failed", "runs that failed, of all neighbours and motions; they are left out", NUMBER, digits=0),
+    Column("neighbours", "number of the buildings that the neighbour may be", PURE_NUMBER, digits=0),
+    Column("motions", "number of the motions", PURE_NUMBER, digits=0),
+    Column("failed", "runs that failed, of all neighbours and motions; they are left out", PURE_NUMBER, digits=0),
 )
 
-_DRAWN_INTERVAL = f"{100 * CONFIDENCE:.0f} % interval, a bootstrap over both, from {MIN_MOTIONS} motions on"
+_DRAWN_INTERVAL = f"{100 * GAP_CONFIDENCE:.0f} % interval, a bootstrap over both, from {MIN_MOTIONS} motions on"
 
 NEIGHBOUR_COLUMNS = (
     _ANALYSIS,
@@ -199,7 +199,7 @@ NEIGHBOUR_COLUMNS = (
                 name_enough(share),
                 f"gap that is enough with a probability of {100 * share:.0f} % over what the neighbour may be and over "
                 "the motions, at all floors of the pair",
-                LENGTH,
+                METRES,
                 f"enough {100 * share:.0f} %",
                 digits=3,
             ),
@@ -209,18 +209,18 @@ NEIGHBOUR_COLUMNS = (
     Column(
         "spread_motions",
         "standard deviation of the logarithm of the required gap over the motions, mean square of all neighbours",
-        NUMBER,
+        PURE_NUMBER,
         "β motions",
         digits=2,
     ),
     Column(
         "spread_neighbours",
         "that of the means of all neighbours: what is added as the neighbour is only seen",
-        NUMBER,
+        PURE_NUMBER,
         "β neighbour",
         digits=2,
     ),
-    Column("spread", "that over both, the root of the sum of the squares", NUMBER, "β both", digits=2),
+    Column("spread", "that over both, the root of the sum of the squares", PURE_NUMBER, "β both", digits=2),
 )
 """Columns of NEIGHBOURS_TABLE."""
 
@@ -229,13 +229,13 @@ NEIGHBOUR_CASES_COLUMNS = (
     _ANALYSIS,
     _LEFT,
     _RIGHT,
-    Column("gap", "smallest gap of the case between the pair", LENGTH),
+    Column("gap", "smallest gap of the case between the pair", METRES),
     *list_estimate_columns(
         Column(
             "enough",
             "probability that the gaps are enough at all floors of the pair, over what the neighbour may be and over "
             "the motions",
-            NUMBER,
+            PURE_NUMBER,
             "enough with",
             digits=2,
         ),
@@ -284,19 +284,19 @@ def list_share_columns(table: str, percentiles: Sequence[float], contact: Sequen
     of_contact = "" if table == LINE_TABLE else " of contact"
     columns = [
         Column(
-            name_percentile(share), f"{100 * share:g} % of the motions need no more, interpolated", LENGTH,
+            name_percentile(share), f"{100 * share:g} % of the motions need no more, interpolated", METRES,
             f"{100 * share:g} %",
         )
         for share in percentiles
     ]  # fmt: skip
-    interval = f"{100 * CONFIDENCE:.0f} % confidence interval, from {MIN_MOTIONS} motions on"
+    interval = f"{100 * GAP_CONFIDENCE:.0f} % confidence interval, from {MIN_MOTIONS} motions on"
     for share in contact:
         text = f"{meaning} with a probability{of_contact} of {100 * share:g} % by the lognormal fit"
-        column = Column(name_contact(share), text, LENGTH, f"{event} {100 * share:g} %", digits=3)
+        column = Column(name_contact(share), text, METRES, f"{event} {100 * share:g} %", digits=3)
         columns += list_estimate_columns(column, interval)
     return columns
 
 
 def is_length(column: Column) -> bool:
     """Return whether people read a column in the unit that the study writes gaps in."""
-    return column.unit.si == LENGTH.si and column.name not in ("height", "street")
+    return column.unit.si == METRES.si and column.name not in ("height", "street")

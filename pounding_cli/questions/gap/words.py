@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from pounding_cli.model.effects import COUPLING
-from pounding_cli.model.separation import CODE_RULES, NTC2008, NTC2018, UBC
+from pounding_cli.model.separation import CODE_RULES, NTC2008, UBC
 from pounding_cli.numbers import NOTHING, format_number, join_limited, pluralize
 from pounding_cli.questions.bootstrap import MIN_MOTIONS
 from pounding_cli.questions.gap.evidence import (
@@ -28,14 +28,15 @@ from pounding_cli.questions.gap.spec import format_needed_keys
 from pounding_cli.questions.gap.tables import (
     CASES_TABLE,
     CODES_TABLE,
-    CONFIDENCE,
     EXACT,
+    GAP_CONFIDENCE,
     GAP_TABLE,
     HIGH_END,
     LINE_TABLE,
     LOW_END,
     RATE_TABLE,
 )
+from pounding_cli.records.code_spectra import NTC2018
 from pounding_cli.solver.response import COLLAPSED
 from pounding_cli.study.file import parse
 from pounding_cli.tables import Column, Row, Table
@@ -214,7 +215,7 @@ def _iter_notes(results: ResultTables, exact: pd.DataFrame) -> Iterator[str]:
     yield _describe_error(exact, results.answer(GAP_TABLE).column("error"))
     fewest = int(exact["motions"].min())
     if fewest >= MIN_MOTIONS:
-        yield f"In brackets: {100 * CONFIDENCE:.0f} % confidence interval."
+        yield f"In brackets: {100 * GAP_CONFIDENCE:.0f} % confidence interval."
     else:
         motions = pluralize(fewest, "motion")
         is_are = "is" if fewest == 1 else "are"

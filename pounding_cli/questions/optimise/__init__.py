@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from pounding_cli.questions.optimise.spec import OptimiseSpec
-from pounding_cli.questions.optimise.tables import TABLES
+from pounding_cli.questions.optimise.tables import COLUMNS_BY_TABLE
 from pounding_cli.questions.question import LateFunction, Question
-from pounding_cli.study.schema import Section
+from pounding_cli.study.schema import StudySection
 
 QUESTION = Question(
     name="optimise",
-    ask=LateFunction("pounding_cli.questions.optimise.optimum:Optimise"),
-    section=Section("optimise", OptimiseSpec, "settings of `pound optimise`"),
-    tables=TABLES,
+    ask=LateFunction("pounding_cli.questions.optimise.question:Optimise"),
+    section=StudySection("optimise", OptimiseSpec, "settings of `pound optimise`"),
+    tables=COLUMNS_BY_TABLE,
     sentences=LateFunction("pounding_cli.questions.optimise.words:list_sentences"),
     shown_tables=LateFunction("pounding_cli.questions.optimise.words:list_tables"),
     notes=LateFunction("pounding_cli.questions.optimise.words:list_notes"),

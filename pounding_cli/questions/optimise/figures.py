@@ -10,8 +10,8 @@ import numpy as np
 import pandas as pd
 
 from pounding_cli.questions.expressions import describe_output
-from pounding_cli.questions.optimise.optimum import NO_OPTIMUM
-from pounding_cli.questions.optimise.tables import OPTIMUM, POINTS
+from pounding_cli.questions.optimise.question import NO_OPTIMUM
+from pounding_cli.questions.optimise.tables import OPTIMUM, SEARCHED_POINTS
 from pounding_cli.questions.optimise.words import MAX_KEYS, key_unit, list_sentences, sought_unit
 from pounding_cli.report.document import Picture
 from pounding_cli.report.evidence import describe_motions, find_nominal
@@ -76,7 +76,7 @@ def _scale_keys(results: ResultTables) -> pd.DataFrame:
 
 def _scale_points(results: ResultTables, keys: list[str]) -> pd.DataFrame:
     """Return the points that were tried in the units in which they are drawn."""
-    points = results.answer(POINTS).frame.copy()
+    points = results.answer(SEARCHED_POINTS).frame.copy()
     points["value"] /= sought_unit(results).factor
     for key in keys:
         if pd.api.types.is_numeric_dtype(points[key]):  # not of a choice

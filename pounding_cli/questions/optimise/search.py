@@ -21,10 +21,10 @@ from scipy.stats import qmc
 from pounding_cli.errors import InputError
 from pounding_cli.questions.optimise.spec import OptimiseSpec
 
-Point = tuple[float, ...]
+SearchPoint = tuple[float, ...]
 """Coordinates between 0 and 1."""
 
-Function = Callable[[list[Point], bool], np.ndarray]
+Function = Callable[[list[SearchPoint], bool], np.ndarray]
 """function(points, rough) -> values, NaN where there is none, shape (points,). `rough`: these points only lead to the
 valley, whose bottom later ones look at."""
 
@@ -56,7 +56,7 @@ _RETURNS = 3
 """Times that the search goes on from a lower point along a coordinate."""
 
 
-def evaluate_kink(points: list[Point], rough: bool) -> np.ndarray:
+def evaluate_kink(points: list[SearchPoint], rough: bool) -> np.ndarray:
     """Return a function with one kink, as the largest of several responses has; a search for its lowest point looks at
     about as many points as one for theirs."""
     x = np.array(points)
@@ -87,19 +87,19 @@ class Search:
         function: Function,
         options: Sequence[int],
         spec: OptimiseSpec | None = None,
-        written_point: Point | None = None,
+        written_point: SearchPoint | None = None,
     ) -> None:
         self.function = function
         self.options = tuple(options)
         self.spec = spec or OptimiseSpec()
         self.written_point = None if written_point is None else self.snap(written_point)
         self.continuous = [place for place, count in enumerate(options) if not count]
-        self.values: dict[Point, float] = {}
+        self.values: dict[SearchPoint, float] = {}
         self.stages: list[str] = []
-        self.best_point: Point | None = None
+        self.best_point: SearchPoint | None = None
         self.is_converged = True
 
-    def snap(self, point: Sequence[float]) -> Point:
+    def snap(self, point: Sequence[float]) -> SearchPoint:
         """Return the point under which a point is known: rounded, choices in the middle of their share."""
         return tuple(
             (min(int(u * options), options - 1) + 0.5) / options if options else round(float(u), _DIGITS)
@@ -154,7 +154,7 @@ class Search:
             self.stages += [stage] * len(new)
         return np.array([self.values[key] for key in keys])
 
-    def _with_coordinates(self, point: Point, moves: dict[int, float]) -> Point:
+    def _with_coordinates(self, point: SearchPoint, moves: dict[int, float]) -> SearchPoint:
         """Return a point with other values of some coordinates."""
         return self.snap([moves.get(place, u) for place, u in enumerate(point)])
 
@@ -177,7 +177,7 @@ class Search:
             raise error.__cause__ if isinstance(error.__cause__, InputError) else error from None
         self.is_converged = bool(evolution.success)
 
-    def _polish(self, best: Point) -> None:
+    def _polish(self, best: SearchPoint) -> None:
         """Run the simplex method from the best point, choices kept."""
         for edge in _SIMPLEX:
             before = self.values[best]
@@ -188,7 +188,7 @@ class Search:
                 "maxfev": 60 * len(corners), "adaptive": len(corners) > 4,
             }  # fmt: skip
 
-            def evaluate_corner(x: np.ndarray, best: Point = best) -> float:
+            def evaluate_corner(x: np.ndarray, best: SearchPoint = best) -> float:
                 moves = dict(zip(self.continuous, x.tolist(), strict=True))
                 return float(self._evaluate([self._with_coordinates(best, moves)], POLISH)[0])
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from pounding_cli.questions.frames import NUMBER
+from pounding_cli.questions.frames import PURE_NUMBER
 from pounding_cli.tables import Column
 
 OPTIMUM = "optimise"
 DESIGN = "optimise_design"
-POINTS = "optimise_points"
+SEARCHED_POINTS = "optimise_points"
 """Names of the tables."""
 
 OPTIMUM_COLUMNS = (
@@ -18,20 +18,20 @@ OPTIMUM_COLUMNS = (
     Column("as_written", "value of this number with the study as written", digits=5),
     Column("outcome", "outcome, or why there is no answer"),
     Column("required", "statements that must hold, under every motion; empty where nothing is required"),
-    Column("written_unmet", "1 where they do not hold with the study as written", NUMBER, digits=0),
-    Column("points", "points that were tried", NUMBER, digits=0),
-    Column("unmet", "points at which they do not hold", NUMBER, digits=0),
-    Column("failed", "points that have no value: a run failed or the quantity is undefined", NUMBER, digits=0),
+    Column("written_unmet", "1 where they do not hold with the study as written", PURE_NUMBER, digits=0),
+    Column("points", "points that were tried", PURE_NUMBER, digits=0),
+    Column("unmet", "points at which they do not hold", PURE_NUMBER, digits=0),
+    Column("failed", "points that have no value: a run failed or the quantity is undefined", PURE_NUMBER, digits=0),
     Column(
         "meaningless",
         "points whose number has no meaning: a link left the range in which its law has one",
-        NUMBER,
+        PURE_NUMBER,
         digits=0,
     ),
     Column("key", "key that varies"),
     Column("unit", "SI unit of the key, or the storey's stiffness that it is a multiple of"),
     Column("value", "value of the key at the optimum; NaN of a choice"),
-    Column("place", "place of the optimum in what was searched, 0 to 1", NUMBER),
+    Column("place", "place of the optimum in what was searched, 0 to 1", PURE_NUMBER),
     Column("option", "option chosen at the optimum; empty of a number"),
     Column("good_from", "lowest value among the points tried whose number is as good, within the tolerance"),
     Column("good_to", "highest value among these points"),
@@ -55,23 +55,23 @@ DESIGN_COLUMNS = (
     ),
     Column("optimum", "at the optimum, in SI", digits=5),
     Column("as_written", "with the study as written, in SI", digits=5),
-    Column("of", "time histories, where these are counted; otherwise 0", NUMBER, digits=0),
+    Column("of", "time histories, where these are counted; otherwise 0", PURE_NUMBER, digits=0),
     Column(
         "on_contact",
         "1 where floors strike on which the number rests, so that it depends on the contact stiffness",
-        NUMBER,
+        PURE_NUMBER,
         digits=0,
     ),
 )
 
-POINT_COLUMNS = (
-    Column("point", "number of the point", NUMBER, digits=0),
+SEARCHED_POINT_COLUMNS = (
+    Column("point", "number of the point", PURE_NUMBER, digits=0),
     Column("stage", "what the point was tried for"),
     Column("value", "value of the number sought; NaN where it has none or no meaning", digits=5),
     Column("error", "numerical error of this number, at most", digits=1),
-    Column("meaningless", "1 where a link left the range in which its law has a meaning", NUMBER, digits=0),
-    Column("unmet", "1 where a statement that must hold does not", NUMBER, digits=0),
+    Column("meaningless", "1 where a link left the range in which its law has a meaning", PURE_NUMBER, digits=0),
+    Column("unmet", "1 where a statement that must hold does not", PURE_NUMBER, digits=0),
 )
 """Beside those of the keys, which the study decides; a swept key stands between stage and value."""
 
-TABLES = {OPTIMUM: OPTIMUM_COLUMNS, DESIGN: DESIGN_COLUMNS, POINTS: POINT_COLUMNS}
+COLUMNS_BY_TABLE = {OPTIMUM: OPTIMUM_COLUMNS, DESIGN: DESIGN_COLUMNS, SEARCHED_POINTS: SEARCHED_POINT_COLUMNS}

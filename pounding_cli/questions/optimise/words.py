@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from pounding_cli.numbers import NOTHING, Unit, count_histories, format_number, join_limited, pluralize
 from pounding_cli.questions.expressions import CONTACT_NOTE, ON_CONTACT, describe_output, find_output_unit
-from pounding_cli.questions.optimise.optimum import (
+from pounding_cli.questions.optimise.question import (
     CONTACTS,
     FAILED,
     FLAGGED,
@@ -18,8 +18,8 @@ from pounding_cli.questions.optimise.optimum import (
     UNSETTLED,
     WITH_CONTACT,
 )
-from pounding_cli.questions.optimise.tables import DESIGN, OPTIMUM, POINTS
-from pounding_cli.report.background import STIFFNESS
+from pounding_cli.questions.optimise.tables import DESIGN, OPTIMUM, SEARCHED_POINTS
+from pounding_cli.report.background import STIFFNESS_KEY
 from pounding_cli.study.display import key_words
 from pounding_cli.study.expression import QUANTITIES
 from pounding_cli.tables import Column, Row, Table
@@ -129,7 +129,7 @@ def sought_unit(results: ResultTables) -> Unit:
 
 def key_unit(results: ResultTables, key: str) -> Unit:
     """Return the unit in which people read the values of a key."""
-    return results.answer(POINTS).column(key).unit
+    return results.answer(SEARCHED_POINTS).column(key).unit
 
 
 def describe_optimum(results: ResultTables) -> str:
@@ -232,7 +232,7 @@ def _describe_beyond(key: str) -> str:
 
 def _view_optimum(results: ResultTables) -> Table:
     """Return the best value of every key, in the unit of the key."""
-    points = results.answer(POINTS).frame
+    points = results.answer(SEARCHED_POINTS).frame
 
     def format_range(row: Row, low: str, high: str) -> str:
         if math.isnan(row[low]):
@@ -283,7 +283,7 @@ def _design_rows(results: ResultTables) -> Sequence[Row]:
 
 def _is_on_contact(results: ResultTables, row: Row) -> bool:
     """Return whether a quantity depends on a contact stiffness that the study does not vary."""
-    return bool(row["on_contact"]) and STIFFNESS not in results.axes
+    return bool(row["on_contact"]) and STIFFNESS_KEY not in results.axes
 
 
 def _shows_contact(results: ResultTables) -> bool:

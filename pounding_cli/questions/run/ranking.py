@@ -27,7 +27,7 @@ ALIKE = 0.005
 MAX_NAMES = 200
 """Characters of the names of cases that are alike; more are counted."""
 
-MEASURES = ((Analysis.ELASTIC, "V_ratio"), (Analysis.INELASTIC, "mu_ratio"), (Analysis.INELASTIC, "mu"))
+RANKED_RESPONSES = ((Analysis.ELASTIC, "V_ratio"), (Analysis.INELASTIC, "mu_ratio"), (Analysis.INELASTIC, "mu"))
 """Analysis and variable of every response by which cases are compared."""
 
 
@@ -58,7 +58,7 @@ class Worst:
 class Ranking:
     """The cases by the worst response of any building, the best first.
 
-    variable : the response, of MEASURES
+    variable : the response, of RANKED_RESPONSES
     """
 
     analysis: str
@@ -94,7 +94,7 @@ def rank_cases(shown: Evidence) -> list[Ranking]:
     no cases where the best one is far beyond the range of the storey law.
     """
     rankings = []
-    for analysis, variable in MEASURES:
+    for analysis, variable in RANKED_RESPONSES:
         if analysis not in shown.analyses:
             continue
         worst = sorted(_iter_worst(shown, analysis, variable), key=lambda each: each.value)

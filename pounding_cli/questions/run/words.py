@@ -37,12 +37,12 @@ if TYPE_CHECKING:
 MIN_CHANGE = 0.005
 """Change of a response from which a sentence gives a number [-]."""
 
-MAX_CASES = 4
+MAX_TOLD_CASES = 4
 """Cases that a sentence names; of more it names the first and gives the range of the others."""
 
 
 @dataclass(frozen=True)
-class Response:
+class ComparedResponse:
     """A response by which a building with pounding is compared with the same building alone.
 
     ratio : variable of results
@@ -54,13 +54,13 @@ class Response:
     noun: str
 
 
-ELASTIC_SHEARS = Response(Analysis.ELASTIC, "V_ratio", "elastic storey shears")
-DUCTILITIES = Response(Analysis.INELASTIC, "mu_ratio", "ductility demands")
-INELASTIC_SHEARS = Response(Analysis.INELASTIC, "V_ratio", "inelastic storey shears")
+ELASTIC_SHEARS = ComparedResponse(Analysis.ELASTIC, "V_ratio", "elastic storey shears")
+DUCTILITIES = ComparedResponse(Analysis.INELASTIC, "mu_ratio", "ductility demands")
+INELASTIC_SHEARS = ComparedResponse(Analysis.INELASTIC, "V_ratio", "inelastic storey shears")
 
 
 @dataclass(frozen=True)
-class Change:
+class ResponseChange:
     """The change of a response of one building in one case, over its storeys, as ratios to the building alone.
 
     highest, storey : largest mean over the motions, and its storey
@@ -158,12 +158,12 @@ def list_notes(results: ResultTables) -> list[str]:
 # How buildings respond
 
 
-def find_changes(shown: Evidence, building: str, response: Response) -> list[Change]:
+def find_changes(shown: Evidence, building: str, response: ComparedResponse) -> list[ResponseChange]:
     """Return the changes of a response of a building in every case that has them, the largest rise first.
 
     Of many cases it has those that the study draws (`report: {plot: ...}`).
     """
-    cases = shown.plotted_cases if len(shown.cases) > MAX_CASES else shown.cases
+    cases = shown.plotted_cases if len(shown.cases) > MAX_TOLD_CASES else shown.cases
     changes = []
     for case in cases:
         place = {"case": case, "analysis": response.analysis, "building": building}
@@ -179,7 +179,7 @@ def find_changes(shown: Evidence, building: str, response: Response) -> list[Cha
         motion, *peak_place = (int(each) for each in np.unravel_index(int(np.nanargmax(ratios)), ratios.shape))
         mean_place = [int(each) for each in np.unravel_index(int(np.nanargmax(means)), means.shape)]
         changes.append(
-            Change(
+            ResponseChange(
                 case=shown.mark_case(case),
                 highest=float(np.nanmax(means)),
                 storey=mean_place[0] + 1,
@@ -213,7 +213,7 @@ def _describe_building(shown: Evidence, building: str) -> list[str]:
     return sentences
 
 
-def describe_changes(changes: Sequence[Change], building: str, noun: str, motions: int) -> str:
+def describe_changes(changes: Sequence[ResponseChange], building: str, noun: str, motions: int) -> str:
     """Return in a sentence how a response of a building changes in some cases, the largest rise first.
 
     noun : the response
@@ -243,20 +243,20 @@ def describe_changes(changes: Sequence[Change], building: str, noun: str, motion
     return f"{'; '.join(clauses)}."
 
 
-def _describe_group(verb: str, group: Sequence[Change], subject: str, motions: int, named_line: int) -> str:
+def _describe_group(verb: str, group: Sequence[ResponseChange], subject: str, motions: int, named_line: int) -> str:
     """Return a clause on the cases that raise or lower a response.
 
     named_line : frame line that the subject names, 0 where it names none
     """
     first, *others = group
     clause = f"case {first.case} {verb} {subject} {first.amount} ({_describe_details(first, motions, named_line)})"
-    if len(others) < MAX_CASES:
+    if len(others) < MAX_TOLD_CASES:
         return ", ".join([clause, *(f"{change.case} {change.amount}" for change in others)])
     most, least = others[0], others[-1]
     return f"{clause}, {len(others)} others by {least.size} ({least.case}) to {most.size} ({most.case})"
 
 
-def _describe_details(change: Change, motions: int, named_line: int) -> str:
+def _describe_details(change: ResponseChange, motions: int, named_line: int) -> str:
     """Return where a change is largest, and the largest rise of a single motion."""
     storey = _format_place(change.line, change.storey, named_line) if change.is_rise else ""
     if motions == 1:
@@ -275,7 +275,7 @@ def _describe_details(change: Change, motions: int, named_line: int) -> str:
     return f"{', '.join(filter(None, (storey, mean)))}; {peak}"
 
 
-def _describe_highest(change: Change) -> str:
+def _describe_highest(change: ResponseChange) -> str:
     """Return by how little a case lowers a response at least."""
     least = 1 - change.highest
     part = "storey of every line" if change.line else "storey"
@@ -289,7 +289,7 @@ def _format_place(line: int, storey: int, named_line: int) -> str:
     return f"storey {storey}" if line == named_line else f"line {line}, storey {storey}"
 
 
-def _describe_unchanged(group: Sequence[Change], subject: str) -> str:
+def _describe_unchanged(group: Sequence[ResponseChange], subject: str) -> str:
     apart = [change.case for change in group if change.is_apart]
     small = [change.case for change in group if not change.is_apart]
     clauses = []

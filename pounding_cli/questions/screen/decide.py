@@ -13,7 +13,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-MOTION = "motion"
+OF_MOTIONS = "motion"
 """Name of the part of the motions."""
 
 THIRDS = 3
@@ -21,7 +21,7 @@ MIN_BUILDINGS = 6
 """Number of buildings from which thirds say something."""
 
 
-def find_shares(log_closings: np.ndarray, scores: Mapping[str, np.ndarray]) -> dict[str, float]:
+def find_variance_shares(log_closings: np.ndarray, scores: Mapping[str, np.ndarray]) -> dict[str, float]:
     """Return the share of the variance of the closings that the motions and each quantity explain, the largest first.
 
     Shares need not sum up to 1: quantities act together too. Those that explain no more than chance have 0.
@@ -36,7 +36,7 @@ def find_shares(log_closings: np.ndarray, scores: Mapping[str, np.ndarray]) -> d
     total = within + between
     if not total > 0:
         return {}
-    shares = {MOTION: within / total}
+    shares = {OF_MOTIONS: within / total}
     known = np.isfinite(by_building)
     if known.sum() >= MIN_BUILDINGS:
         for name, values in scores.items():
@@ -51,7 +51,7 @@ def find_decision(shares: Mapping[str, float]) -> tuple[str, float]:
 
     shares : of `find_shares`
     """
-    of_buildings = {name: share for name, share in shares.items() if name != MOTION and share > 0}
+    of_buildings = {name: share for name, share in shares.items() if name != OF_MOTIONS and share > 0}
     if not of_buildings:
         return "", np.nan
     name = max(of_buildings, key=lambda each: of_buildings[each])

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from pounding_cli.results.results import ResultTables
 
-LINE_WIDTH = 34.0
+ROW_WIDTH = 34.0
 """Width of a line of buildings, so that a page of a telephone shows the ranks of pairs."""
 
 _WIDTH = 3.0
@@ -90,7 +90,7 @@ def _break_lines(rows: list[dict[Any, Any]]) -> list[list[_PlacedPair]]:
     for row in rows:
         is_shared = bool(before) and row["left_name"] == before
         begin = x - _WIDTH if is_shared else x + _SPACE
-        if not lines or begin + 2 * _WIDTH + _GAP > LINE_WIDTH:
+        if not lines or begin + 2 * _WIDTH + _GAP > ROW_WIDTH:
             lines.append([])
             is_shared = False
             begin = 0.0
@@ -111,7 +111,7 @@ def _draw_line(ax: Axes, line: list[_PlacedPair], tallest: float, colours: Color
         ax.add_patch(_build_box(x, _GAP, facing, facecolor=colour, edgecolor="none"))
         ax.text(x + _GAP / 2, -0.04 * tallest, str(row["rank"]), ha="center", va="top", fontsize=8)
         _draw_building(ax, x + _GAP, row["right_height"], row["right_storeys"])
-    ax.set_xlim(-0.2, LINE_WIDTH + 0.2)
+    ax.set_xlim(-0.2, ROW_WIDTH + 0.2)
     ax.set_ylim(-0.28 * tallest, 1.05 * tallest)
     ax.axhline(0.0, color=_EDGE, lw=0.8)
     ax.axis("off")

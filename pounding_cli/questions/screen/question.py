@@ -14,8 +14,8 @@ import numpy as np
 
 from pounding_cli.questions.gap.question import Gap
 from pounding_cli.questions.question import Answer, StudyQuestion
-from pounding_cli.questions.screen.decide import MOTION, find_decision, find_shares
-from pounding_cli.questions.screen.street import LEFT, RIGHT, Pair, Street
+from pounding_cli.questions.screen.decide import OF_MOTIONS, find_decision, find_variance_shares
+from pounding_cli.questions.screen.street import LEFT, RIGHT, NeighbourPair, Street
 from pounding_cli.questions.screen.tables import (
     MIN_SCREENED_GAP,
     RETURN_PERIOD,
@@ -94,7 +94,7 @@ class Screen(StudyQuestion):
             row = _describe_pair(pair, closings)
             row |= _estimate_contact(pair, closings, hazard_by_key[pair.hazard_key], self.first.intensities)
             row["decides"], row["share"] = find_decision(shares)
-            row["motion_share"] = shares.get(MOTION, np.nan)
+            row["motion_share"] = shares.get(OF_MOTIONS, np.nan)
             rows.append(row)
         rows.sort(key=lambda row: (-row["rate"] if math.isfinite(row["rate"]) else math.inf, row["row"]))
         for rank, row in enumerate(rows, 1):
@@ -147,10 +147,10 @@ def _find_shares(closings: _Closings) -> dict[str, float]:
 
     if np.isnan(closings.values).all():
         return {}
-    return find_shares(np.log(np.maximum(closings.values, MIN_GAP)), closings.scores)
+    return find_variance_shares(np.log(np.maximum(closings.values, MIN_GAP)), closings.scores)
 
 
-def _describe_pair(pair: Pair, closings: _Closings) -> dict[str, Any]:
+def _describe_pair(pair: NeighbourPair, closings: _Closings) -> dict[str, Any]:
     """Return the columns that say what stands beside what."""
     row: dict[str, Any] = {"pair": pair.name, "row": pair.line, "gap": pair.gap}
     for side, name, height in zip((LEFT, RIGHT), pair.names, closings.heights, strict=True):
@@ -167,7 +167,7 @@ def _describe_pair(pair: Pair, closings: _Closings) -> dict[str, Any]:
 
 
 def _estimate_contact(
-    pair: Pair, closings: _Closings, hazard: Hazard, intensities: np.ndarray
+    pair: NeighbourPair, closings: _Closings, hazard: Hazard, intensities: np.ndarray
 ) -> dict[str, Any]:  # fmt: skip
     """Return the rate of contact and the probabilities of a pair."""
     import pandas as pd
@@ -180,9 +180,8 @@ def _estimate_contact(
     neighbours, motions = closings.values.shape[1:]
     columns = pd.MultiIndex.from_product([range(neighbours), range(motions)], names=["neighbour", "motion"])
     frame = pd.DataFrame(closings.values.reshape(len(intensities), -1), index=intensities, columns=columns)
-    frame = (
-        frame[~frame.index.duplicated()].sort_index().dropna(axis=1)
-    )  # levels are in the order that they are written
+    frame = frame[~frame.index.duplicated()].sort_index()  # levels stand in the order that they are written
+    frame = frame.dropna(axis=1)  # leave out motions of which a run failed
     row = {"pga": pga, "motions": frame.columns.get_level_values("motion").nunique()}
     nothing = dict.fromkeys(("rate", "rate_low", "rate_high", "probability", "enough"), np.nan)
     basis = RateBasis(hazard, 0, {((), "", 0): frame})

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pounding_cli.numbers import Unit
-from pounding_cli.questions.frames import NUMBER, list_estimate_columns
+from pounding_cli.questions.frames import PURE_NUMBER, list_estimate_columns
 from pounding_cli.tables import Column
 
 SCREEN_TABLE = "screen"
@@ -31,13 +31,13 @@ def _list_building_columns(side: str) -> list[Column]:
         Column(f"{side}_name", f"name of the building at the {side}", label=f"{side} name"),
         Column(f"{side}_type", f"its building type of HAZUS, at the {side}", label=f"{side} type"),
         Column(f"{side}_design", f"its design level, at the {side}", label=f"{side} design"),
-        Column(f"{side}_storeys", f"its number of storeys, at the {side}", NUMBER, f"{side} storeys", 0),
+        Column(f"{side}_storeys", f"its number of storeys, at the {side}", PURE_NUMBER, f"{side} storeys", 0),
         Column(f"{side}_height", f"its height, at the {side}", _HEIGHT, f"{side} height", 3),
     ]
 
 
 SCREEN_COLUMNS = (
-    Column("rank", "place in the order of the rates, 1 the highest", NUMBER, digits=0),
+    Column("rank", "place in the order of the rates, 1 the highest", PURE_NUMBER, digits=0),
     Column("pair", "name of the pair"),
     *_list_building_columns("left"),
     *_list_building_columns("right"),
@@ -51,13 +51,13 @@ SCREEN_COLUMNS = (
     Column("decides", "what nobody knows of the buildings that explains most of the variance of the closings"),
     Column("share", "its share of the variance", Unit("%", 0.01, "1"), digits=2),
     Column("motion_share", "share of the variance from motion to motion", Unit("%", 0.01, "1"), "share of motions", 2),
-    Column("neighbours", "buildings that each neighbour may be", NUMBER, digits=0),
-    Column("motions", "motions without a failed run", NUMBER, digits=0),
-    Column("row", "row of the table", NUMBER, digits=0),
+    Column("neighbours", "buildings that each neighbour may be", PURE_NUMBER, digits=0),
+    Column("motions", "motions without a failed run", PURE_NUMBER, digits=0),
+    Column("row", "row of the table", PURE_NUMBER, digits=0),
 )
 
 SHARES_COLUMNS = (
-    Column("rank", "place in the order of the rates", NUMBER, digits=0),
+    Column("rank", "place in the order of the rates", PURE_NUMBER, digits=0),
     Column("pair", "name of the pair"),
     Column("input", "what is unknown"),
     Column("share", "share of the variance of the logarithm of the closings", Unit("%", 0.01, "1"), digits=2),

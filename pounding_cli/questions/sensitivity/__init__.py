@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from pounding_cli.questions.question import LateFunction, Question
 from pounding_cli.questions.sensitivity.spec import SensitivitySpec
-from pounding_cli.questions.sensitivity.tables import TABLES
-from pounding_cli.study.schema import Section
+from pounding_cli.questions.sensitivity.tables import COLUMNS_BY_TABLE
+from pounding_cli.study.schema import StudySection
 
 QUESTION = Question(
     name="sensitivity",
-    ask=LateFunction("pounding_cli.questions.sensitivity.indices:Sensitivity"),
-    section=Section("sensitivity", SensitivitySpec, "settings of `pound sensitivity`"),
-    tables=TABLES,
+    ask=LateFunction("pounding_cli.questions.sensitivity.question:Sensitivity"),
+    section=StudySection("sensitivity", SensitivitySpec, "settings of `pound sensitivity`"),
+    tables=COLUMNS_BY_TABLE,
     sentences=LateFunction("pounding_cli.questions.sensitivity.words:list_sentences"),
     shown_tables=LateFunction("pounding_cli.questions.sensitivity.words:list_tables"),
     notes=LateFunction("pounding_cli.questions.sensitivity.words:list_notes"),

@@ -11,7 +11,7 @@ import numpy as np
 
 from pounding_cli.numbers import Unit
 from pounding_cli.questions.expressions import find_output_unit
-from pounding_cli.questions.sensitivity.words import describe_influence, describe_place, list_shown
+from pounding_cli.questions.sensitivity.words import describe_influence, describe_output_place, list_shown
 from pounding_cli.report.document import Picture
 from pounding_cli.report.style import finish, new_figure, shared_legend, with_style
 from pounding_cli.study.display import key_words
@@ -32,7 +32,8 @@ def list_figures(results: ResultTables) -> list[Picture]:
     if not outputs:
         return []
     sentences = [
-        f"{describe_place(results, rows.iloc[0].to_dict())}: {describe_influence(results, rows)}" for rows in outputs
+        f"{describe_output_place(results, rows.iloc[0].to_dict())}: {describe_influence(results, rows)}"
+        for rows in outputs
     ]
     draw = partial(draw_indices, results, outputs)
     return [Picture("sensitivity", "The most influential keys", " ".join(sentences), draw)]
@@ -47,7 +48,7 @@ def draw_indices(results: ResultTables, outputs: Sequence[pd.DataFrame]) -> Figu
     key_count = len(outputs[0])
     is_sobol = "total" in outputs[0]
     title_width = 100 if is_sobol else 56
-    titles = [textwrap.fill(describe_place(results, rows.iloc[0].to_dict()), title_width) for rows in outputs]
+    titles = [textwrap.fill(describe_output_place(results, rows.iloc[0].to_dict()), title_width) for rows in outputs]
     height = (0.33 * key_count + 1.0) * len(outputs) + 0.15 * sum(title.count("\n") for title in titles) + 0.8
     figure = new_figure(9.0 if is_sobol else 6.0, height)
     axes = figure.subplots(len(outputs), 2 if is_sobol else 1, squeeze=False, sharey="row")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Annotated, Literal
 
-from pounding_cli.questions.specs import CONFIDENCE, EXPRESSION, EXPRESSION_COLUMNS, SEED, STATEMENT
+from pounding_cli.questions.specs import CONFIDENCE_QUANTITY, EXPRESSION, EXPRESSION_COLUMNS, SEED, STATEMENT
 from pounding_cli.study.base import Model, SpecIssue, one_or_many, spec_field
 from pounding_cli.study.quantity import WholeNumber
 
@@ -36,7 +36,7 @@ class SensitivitySpec(Model):
         "base samples; `sobol` takes (keys + 2) points for each, a power of 2, default: 256; `morris` "
         "(keys + 1), default: 32",
     )
-    confidence: Annotated[float, CONFIDENCE] = spec_field("95 %", "confidence of all intervals")
+    confidence: Annotated[float, CONFIDENCE_QUANTITY] = spec_field("95 %", "confidence of all intervals")
     draws: Annotated[int, WholeNumber(100, 100_000)] = spec_field(1000, "draws of the bootstrap")
     over_motions: Literal["mean", "largest"] = spec_field(
         "mean", "value over the motions, storey by storey, unless each sample has one motion"

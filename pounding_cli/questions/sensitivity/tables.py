@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pounding_cli.questions.frames import NUMBER, list_estimate_columns
+from pounding_cli.questions.frames import PURE_NUMBER, list_estimate_columns
 from pounding_cli.tables import Column
 
 INDICES = "sensitivity"
@@ -13,35 +13,39 @@ SAMPLES = "sensitivity_samples"
 
 PERCENTILES = (5, 50, 95)
 
-PLACE_COLUMNS = (
+OUTPUT_PLACE_COLUMNS = (
     Column("case", "case of the study; empty: all of them"),
     Column("analysis", "elastic or inelastic storeys; empty: both"),
 )
 """Columns that say, behind the swept keys, where a row stands."""
 
 _CONTACT = Column(
-    "on_contact", "1 where floors strike on which the number rests, so that it depends on the contact stiffness", NUMBER
+    "on_contact",
+    "1 where floors strike on which the number rests, so that it depends on the contact stiffness",
+    PURE_NUMBER,
 )
 
-_FAILED = Column("failed", "samples without a value", NUMBER, digits=0)
+_FAILED = Column("failed", "samples without a value", PURE_NUMBER, digits=0)
 
 INDEX_COLUMNS = (
-    *PLACE_COLUMNS,
+    *OUTPUT_PLACE_COLUMNS,
     Column("output", "output, or statement, that the indices are of"),
     Column("unit", "SI unit of the output; empty of a pure number"),
     _CONTACT,
     Column("key", "key that varies, the first of those that move together"),
     Column("outcome", "found, or why there is no index"),
     _FAILED,
-    Column("samples", "samples that the row rests on", NUMBER, digits=0),
+    Column("samples", "samples that the row rests on", PURE_NUMBER, digits=0),
     *list_estimate_columns(
-        Column("first", "first-order index: part of the variance that this key explains by itself", NUMBER, digits=3)
+        Column(
+            "first", "first-order index: part of the variance that this key explains by itself", PURE_NUMBER, digits=3
+        )
     ),
     *list_estimate_columns(
         Column(
             "total",
             "total index: part of the variance that disappears if this key is known, including interactions",
-            NUMBER,
+            PURE_NUMBER,
             digits=3,
         )
     ),
@@ -79,12 +83,12 @@ INDEX_COLUMNS = (
 )
 
 OUTPUT_COLUMNS = (
-    *PLACE_COLUMNS,
+    *OUTPUT_PLACE_COLUMNS,
     Column("output", "output"),
     Column("unit", "SI unit of the output; empty of a pure number"),
     _CONTACT,
     _FAILED,
-    Column("samples", "independent samples that the row rests on", NUMBER, digits=0),
+    Column("samples", "independent samples that the row rests on", PURE_NUMBER, digits=0),
     *list_estimate_columns(Column("mean", "mean of the output, in its SI unit", digits=3)),
     *list_estimate_columns(Column("deviation", "standard deviation of the output, in its SI unit", digits=3)),
     *(
@@ -97,27 +101,29 @@ OUTPUT_COLUMNS = (
 )
 
 PROBABILITY_COLUMNS = (
-    *PLACE_COLUMNS,
+    *OUTPUT_PLACE_COLUMNS,
     Column("statement", "statement that holds or does not"),
     _CONTACT,
     _FAILED,
-    Column("samples", "independent samples in which it is known whether the statement holds", NUMBER, digits=0),
+    Column("samples", "independent samples in which it is known whether the statement holds", PURE_NUMBER, digits=0),
     *list_estimate_columns(
-        Column("probability", "part of these samples in which the statement holds", NUMBER, digits=3),
+        Column("probability", "part of these samples in which the statement holds", PURE_NUMBER, digits=3),
         "interval (Clopper and Pearson)",
     ),
     Column("most_influential", "key with the largest effect on whether the statement holds; empty: none"),
-    *list_estimate_columns(Column("influence", "total index or mean elementary effect of this key", NUMBER, digits=3)),
+    *list_estimate_columns(
+        Column("influence", "total index or mean elementary effect of this key", PURE_NUMBER, digits=3)
+    ),
 )
 
 SAMPLE_COLUMNS = (
-    *PLACE_COLUMNS,
-    Column("sample", "number of the sample", NUMBER, digits=0),
-    Column("independent", "1 where the sample is independent of the others", NUMBER, digits=0),
+    *OUTPUT_PLACE_COLUMNS,
+    Column("sample", "number of the sample", PURE_NUMBER, digits=0),
+    Column("independent", "1 where the sample is independent of the others", PURE_NUMBER, digits=0),
 )
 """Beside those of the keys and of the outputs, which the study decides."""
 
-TABLES = {
+COLUMNS_BY_TABLE = {
     INDICES: INDEX_COLUMNS,
     OUTPUTS: OUTPUT_COLUMNS,
     PROBABILITIES: PROBABILITY_COLUMNS,

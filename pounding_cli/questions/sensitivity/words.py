@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 from pounding_cli.numbers import NOTHING, Unit, pluralize
 from pounding_cli.questions.expressions import CONTACT_NOTE, ON_CONTACT, describe_output, find_output_unit
-from pounding_cli.questions.sensitivity.indices import FOUND
+from pounding_cli.questions.frames import FOUND
 from pounding_cli.questions.sensitivity.tables import INDICES, OUTPUTS, PERCENTILES, PROBABILITIES, SAMPLES
-from pounding_cli.report.background import STIFFNESS
+from pounding_cli.report.background import STIFFNESS_KEY
 from pounding_cli.report.evidence import Evidence, find_nominal
 from pounding_cli.study.display import key_words
 from pounding_cli.study.varied_inputs import MOTION
@@ -41,7 +41,7 @@ def list_sentences(results: ResultTables) -> list[str]:
     statements = _list_statements(results)
     names = {row["statement"] for row in statements}
     sentences = [
-        f"{describe_place(results, rows.iloc[0].to_dict())}: {describe_influence(results, rows)}"
+        f"{describe_output_place(results, rows.iloc[0].to_dict())}: {describe_influence(results, rows)}"
         for rows in outputs
         if rows["output"].iloc[0] not in names
     ]
@@ -69,7 +69,7 @@ def list_notes(results: ResultTables) -> list[str]:
             "standard error."
         )
     is_of_case = frame["case"] != ""
-    if is_of_case.any() and (words := describe_motions(results)):
+    if is_of_case.any() and (words := describe_motion_statistic(results)):
         is_mean = not words.startswith("one")
         taken = f"An output of a sample is the {words}, storey by storey, before storeys are compared."
         notes.append(taken if is_mean else "Each sample rests on one motion.")
@@ -81,7 +81,7 @@ def list_notes(results: ResultTables) -> list[str]:
             "samples have no index, since leaving them out would bias it."
         )
     if _has_contact_outputs(results):
-        notes.append(f"{CONTACT_NOTE} Add `{STIFFNESS}` to `uncertain:` to see its influence.")
+        notes.append(f"{CONTACT_NOTE} Add `{STIFFNESS_KEY}` to `uncertain:` to see its influence.")
     count = sum(1 for rows in iter_outputs(results) if rows["outcome"].iloc[0] == FOUND)
     if count > MAX_OUTPUTS:
         notes.append(
@@ -123,12 +123,12 @@ def list_shown(results: ResultTables) -> list[pd.DataFrame]:
     return [rows for rows in iter_outputs(results) if rows["outcome"].iloc[0] == FOUND][:MAX_OUTPUTS]
 
 
-def describe_place(results: ResultTables, row: Row) -> str:
+def describe_output_place(results: ResultTables, row: Row) -> str:
     """Return an output or statement with where it stands: "largest μ (case gap, elastic, mean of 5 motions)"."""
     keys = _other_keys(results)
     words = [f"{key} = {results.value_label(key, row[key])}" for key in keys if key in row]
     if row["case"]:
-        words += [f"case {row['case']}", str(row["analysis"]), describe_motions(results)]
+        words += [f"case {row['case']}", str(row["analysis"]), describe_motion_statistic(results)]
     else:
         words.append("all cases")
     if has_contact_words(results, row):
@@ -137,7 +137,7 @@ def describe_place(results: ResultTables, row: Row) -> str:
     return f"{describe_output(name) if row['case'] else name} ({', '.join(filter(None, words))})"
 
 
-def describe_motions(results: ResultTables) -> str:
+def describe_motion_statistic(results: ResultTables) -> str:
     """Return what an output of a sample is over its motions: "mean of 5 motions"; "" where there is one motion."""
     uncertain = results.study_data["uncertain"] or {}
     entries = uncertain if isinstance(uncertain, list) else [uncertain]
@@ -153,7 +153,7 @@ def describe_motions(results: ResultTables) -> str:
 
 def has_contact_words(results: ResultTables, row: Row) -> bool:
     """Return whether an output depends on a contact stiffness that the study does not vary."""
-    return bool(row["on_contact"]) and STIFFNESS not in results.axes
+    return bool(row["on_contact"]) and STIFFNESS_KEY not in results.axes
 
 
 def describe_influence(results: ResultTables, rows: pd.DataFrame) -> str:
@@ -169,7 +169,7 @@ def describe_influence(results: ResultTables, rows: pd.DataFrame) -> str:
         words = "no key has an influence"
     else:
         words = _describe_most_influential(results, first, rows.iloc[1].to_dict(), unit)
-    return f"{words}.{describe_spread(results, first, unit)}"
+    return f"{words}.{describe_output_spread(results, first, unit)}"
 
 
 def _describe_most_influential(results: ResultTables, first: Row, second: Row, unit: Unit) -> str:
@@ -216,7 +216,7 @@ def describe_ends(results: ResultTables, row: Row, unit: Unit) -> str:
     return f"the mean {'rises' if change > 0 else 'falls'} from {low} at its low end to {high} at its high end"
 
 
-def describe_spread(results: ResultTables, row: Row, unit: Unit) -> str:
+def describe_output_spread(results: ResultTables, row: Row, unit: Unit) -> str:
     """Return mean and percentiles of an output as a sentence, with a blank before it; "" where there are none.
 
     row : of the indices of the output
@@ -256,7 +256,7 @@ def _view_indices(results: ResultTables, rows: pd.DataFrame) -> Table:
         sigma={"unit": unit, "label": "deviation", "optional": True},
     )
     names = ("first", "total", "at_low", "at_high", "mu_star", "mu", "sigma")
-    caption = f"Influence on {describe_place(results, first)}"
+    caption = f"Influence on {describe_output_place(results, first)}"
     return table.view("key", *(name for name in names if table.has(name)), frame=rows, caption=caption)
 
 
@@ -286,7 +286,7 @@ def _is_choice(results: ResultTables, key: str) -> bool:
 
 def _has_contact_outputs(results: ResultTables) -> bool:
     tables = [results.answer(name).frame for name in (INDICES, PROBABILITIES) if name in results.answers]
-    return STIFFNESS not in results.axes and any(bool(frame["on_contact"].any()) for frame in tables)
+    return STIFFNESS_KEY not in results.axes and any(bool(frame["on_contact"].any()) for frame in tables)
 
 
 # Statements
@@ -301,7 +301,7 @@ def _list_statements(results: ResultTables) -> Sequence[Row]:
 
 def describe_statement(results: ResultTables, row: Row) -> str:
     """Return the probability of a statement, and the most influential key."""
-    place = describe_place(results, row)
+    place = describe_output_place(results, row)
     if not math.isfinite(row["probability"]):
         return f"{place}: no probability, since no sample has a value: a run failed or the quantity is undefined."
     probability = results.answer(PROBABILITIES).column("probability").cell(row)
@@ -355,7 +355,7 @@ def _view_probabilities(results: ResultTables) -> Table:
         influence={"label": f"its {influence}", "optional": True},
     )
     caption = "Probability that statements hold"
-    if (words := describe_motions(results)) and (results.answer(PROBABILITIES).frame["case"] != "").any():
+    if (words := describe_motion_statistic(results)) and (results.answer(PROBABILITIES).frame["case"] != "").any():
         caption += f" ({words})"
     varying = (*_other_keys(results), "case", "analysis")
     return table.view("statement", "probability", "most_influential", "influence", varying=varying, caption=caption)

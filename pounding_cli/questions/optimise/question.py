@@ -22,15 +22,16 @@ from pounding_cli.questions.expressions import (
     parse_all,
     study_at_points,
 )
-from pounding_cli.questions.optimise.search import UNMET, Point, Search, evaluate_kink
+from pounding_cli.questions.frames import FOUND
+from pounding_cli.questions.optimise.search import UNMET, Search, SearchPoint, evaluate_kink
 from pounding_cli.questions.optimise.spec import OptimiseSpec
 from pounding_cli.questions.optimise.tables import (
     DESIGN,
     DESIGN_COLUMNS,
     OPTIMUM,
     OPTIMUM_COLUMNS,
-    POINT_COLUMNS,
-    POINTS,
+    SEARCHED_POINT_COLUMNS,
+    SEARCHED_POINTS,
 )
 from pounding_cli.questions.question import Answer, StudyQuestion
 from pounding_cli.results.arrays import ResultArrays
@@ -49,19 +50,18 @@ from pounding_cli.variables import VARIABLES
 if TYPE_CHECKING:
     from pounding_cli.batch.solve import Solver
 
-MAX_CORNERS = 512
+MAX_SEARCHED_CORNERS = 512
 """Corners of the ranges that are checked before anything is solved."""
 
 FLAT = 0.01
 """As good as the optimum is what lies within this share of it [-]."""
 
-FOUND = "found"
 UNSETTLED = "the last generation was reached before its points were nearly as good"
-NOTHING = "no point has a value"
+NO_VALUE = "no point has a value"
 NOT_MET = "no point meets what is required"
-"""Outcomes."""
+"""Outcomes beside FOUND."""
 
-NO_OPTIMUM = (NOTHING, NOT_MET)
+NO_OPTIMUM = (NO_VALUE, NOT_MET)
 """Outcomes without an optimum."""
 
 CONTACTS = "contacts, all motions"
@@ -114,7 +114,7 @@ class Optimise(StudyQuestion):
         self.expression = expressions[0]
         self.written_point = self._find_written_point()
 
-    def _find_written_point(self) -> Point | None:
+    def _find_written_point(self) -> SearchPoint | None:
         """Return the point that the study stands for as written, if there is one."""
         point = []
         for each in self.inputs:
@@ -139,16 +139,16 @@ class Optimise(StudyQuestion):
         return str(name or names[0])
 
     @property
-    def middle(self) -> Point:
+    def middle(self) -> SearchPoint:
         """The middle of all ranges and choices."""
         return tuple(each.middle for each in self.inputs)
 
-    def format_study(self, point: Point) -> str:
+    def format_study(self, point: SearchPoint) -> str:
         """Return the text of the study with the keys at a point; everything else stays as written (`with_values`)."""
         values = {tuple(each.key.split(".")): each.values([u])[0] for each, u in zip(self.inputs, point, strict=True)}
         return with_values(self.study.text, values, self.study.file)
 
-    def plan_points(self, points: Sequence[Point]) -> Plan:
+    def plan_points(self, points: Sequence[SearchPoint]) -> Plan:
         """Return the plan of some points, which stand on its last axis.
 
         Behind them stands the study as it is written, where no point stands for it.
@@ -168,7 +168,7 @@ class Optimise(StudyQuestion):
         Raises InputError: the study is not sound there, at an end of a range, or with an option of a choice.
         """
         corners = product(*(each.end_quantiles() for each in self.inputs))
-        study_at_points(self.study, self.inputs, np.array(list(islice(corners, MAX_CORNERS))))
+        study_at_points(self.study, self.inputs, np.array(list(islice(corners, MAX_SEARCHED_CORNERS))))
         return self.plan_points([self.written_point or self.middle])
 
     @property
@@ -184,7 +184,7 @@ class Optimise(StudyQuestion):
     def answer(self, solver: Solver) -> Answer:
         """Return the optimum, what the buildings do there, and all points."""
 
-        def function(points: list[Point], is_rough: bool) -> np.ndarray:
+        def function(points: list[SearchPoint], is_rough: bool) -> np.ndarray:
             plan = self.plan_points(points)
             arrays = build_arrays(plan, solver.solve_plan(plan, rough=is_rough))
             sought = _evaluate_sought(self, plan, _find_values(self, plan, arrays))
@@ -297,7 +297,7 @@ def _build_optimum_frame(
     value = sought["value"].to_numpy()
     outcome = FOUND if search.is_converged else UNSETTLED
     if best is None:
-        outcome = NOTHING if search.best_point is None else NOT_MET
+        outcome = NO_VALUE if search.best_point is None else NOT_MET
     written_place = places["as_written"]
     assert written_place is not None
     common: dict[str, Any] = {
@@ -448,4 +448,4 @@ def _build_point_table(search: Search, question: Optimise, sought: pd.DataFrame,
     keys.insert(1, "stage", search.stages)
     frame = keys.join(sought.assign(unmet=sought["excess"] > 0).astype({"meaningless": int, "unmet": int}))
     frame = frame.drop(columns="excess")
-    return build_table(POINTS, frame, [*POINT_COLUMNS, *columns], {"value": unit, "error": unit})
+    return build_table(SEARCHED_POINTS, frame, [*SEARCHED_POINT_COLUMNS, *columns], {"value": unit, "error": unit})
