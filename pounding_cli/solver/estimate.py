@@ -85,12 +85,12 @@ def find_change(first: Response, second: Response) -> float:
 
     It is between two responses of the same buildings, and as of `find_difference`.
     """
-    a = first.peaks
-    b = second.peaks
+    peaks = first.peaks
+    other_peaks = second.peaks
     sizes = find_scene_sizes(first, second)
-    names = ("shear", "drift", "line_shear", "line_drift") if count_lines(a) else ("shear", "drift")
-    found = [_build_triple(a[name], b[name], a[name], sizes[name]) for name in names]
-    return _find_largest_difference(first, second, found)
+    names = ("shear", "drift", "line_shear", "line_drift") if count_lines(peaks) else ("shear", "drift")
+    triples = [_build_triple(peaks[name], other_peaks[name], peaks[name], sizes[name]) for name in names]
+    return _find_largest_difference(first, second, triples)
 
 
 def find_difference(first: Response, second: Response) -> float:
@@ -104,24 +104,24 @@ def find_difference(first: Response, second: Response) -> float:
     number below 1e-8 of the scene's size, `find_scene_sizes`, counts as zero, and a link that presses by rounding as
     one that does not. Counts are left out, and so are energies, whose error is the ledger's residual.
     """
-    a = first.peaks
-    b = second.peaks
+    peaks = first.peaks
+    other_peaks = second.peaks
     sizes = find_scene_sizes(first, second)
-    reach = np.maximum(a["displacement_max"], -a["displacement_min"])
-    scales = {"displacement_max": reach, "displacement_min": reach, "residual_drift": a["drift"]}
+    reach = np.maximum(peaks["displacement_max"], -peaks["displacement_min"])
+    scales = {"displacement_max": reach, "displacement_min": reach, "residual_drift": peaks["drift"]}
     for name in ("peak_force", "max_closing", "impulse"):
-        scales[name] = np.full_like(a[name], np.abs(a[name]).max(initial=0.0))
+        scales[name] = np.full_like(peaks[name], np.abs(peaks[name]).max(initial=0.0))
     for name in ("shear", "drift", "acceleration", "sway", "rocking", "shear_below", "shear_above"):
-        scales[name] = a[name]
-    if count_lines(a):
-        scales |= {name: a[name] for name in ("line_shear", "line_drift", *TURNS)}
-        scales["line_residual_drift"] = a["line_drift"]
-    found = [_build_triple(a[name], b[name], scale, sizes[name]) for name, scale in scales.items()]
-    presses = np.maximum(a["peak_force"], b["peak_force"]) > ROUNDING * sizes["peak_force"]
-    time, other_time = (np.where(presses, each["contact_time"], 0.0) for each in (a, b))
-    found.append((time, other_time, np.full_like(time, time.max(initial=0.0))))
-    found.append((a["collapse_time"], b["collapse_time"], a["collapse_time"]))
-    return _find_largest_difference(first, second, found)
+        scales[name] = peaks[name]
+    if count_lines(peaks):
+        scales |= {name: peaks[name] for name in ("line_shear", "line_drift", *TURNS)}
+        scales["line_residual_drift"] = peaks["line_drift"]
+    triples = [_build_triple(peaks[name], other_peaks[name], scale, sizes[name]) for name, scale in scales.items()]
+    presses = np.maximum(peaks["peak_force"], other_peaks["peak_force"]) > ROUNDING * sizes["peak_force"]
+    time, other_time = (np.where(presses, each["contact_time"], 0.0) for each in (peaks, other_peaks))
+    triples.append((time, other_time, np.full_like(time, time.max(initial=0.0))))
+    triples.append((peaks["collapse_time"], other_peaks["collapse_time"], peaks["collapse_time"]))
+    return _find_largest_difference(first, second, triples)
 
 
 LENGTHS = "drift", "displacement_max", "displacement_min", "residual_drift", "sway", "max_closing"
@@ -205,7 +205,7 @@ def assess(scenes: Sequence[Scene], responses: Sequence[Response], accuracy: flo
     finer one, until the estimate meets the accuracy or double precision is not enough. In that case, or if rounding may
     be near the accuracy, two more runs show the scatter of the numbers.
     """
-    known = list(responses)
+    assessed = list(responses)
     open_ones = [number for number, each in enumerate(responses) if each.has_result]
     method = responses[0].method if responses else "taylor"
     if accuracy >= FINEST_AT_ONCE and not METHODS[method].takes_step:
@@ -218,11 +218,11 @@ def assess(scenes: Sequence[Scene], responses: Sequence[Response], accuracy: flo
             error = find_difference(first, judge)
             sensitivity = find_change(first, judge) / nudge
             if error <= HARMLESS * accuracy and sensitivity <= HARMLESS * ILL_CONDITIONED:
-                known[number] = dataclasses.replace(first, error_estimate=error, sensitivity=sensitivity)
+                assessed[number] = dataclasses.replace(first, error_estimate=error, sensitivity=sensitivity)
                 open_ones.remove(number)
     for number in open_ones:
-        known[number] = _assess_closely(scenes[number], responses[number], accuracy)
-    return known
+        assessed[number] = _assess_closely(scenes[number], responses[number], accuracy)
+    return assessed
 
 
 def _nudge_scene(scene: Scene, nudge: float) -> Scene:

@@ -279,10 +279,10 @@ class Response:
     @property
     def links(self) -> LinkPeaks:
         """The largest values over time of the links of the scene, in their order."""
-        found = {name: self.peaks[name] for name in LINKS}
+        values = {name: self.peaks[name] for name in LINKS}
         if self.has_result:
-            found["impacts"] = found["impacts"].astype(np.int64)
-        return LinkPeaks(**found)
+            values["impacts"] = values["impacts"].astype(np.int64)
+        return LinkPeaks(**values)
 
     @property
     def columns(self) -> ColumnPeaks:
