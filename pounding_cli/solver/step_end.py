@@ -113,7 +113,7 @@ def deform_elements(dofs, elements, terms, run):
             rate += w
             size_rate += abs(w)
         if el.drifts == 0 and (abs(v) < NEAR_ZERO or abs(rate) < NEAR_ZERO):
-            # the digits that large displacements have lost are missing where they nearly cancel
+            # the largest displacements and speeds so far have left their rounding in these sums
             reach, fastest = find_reach_of_terms(dofs, terms, el)
             size_v = max(size_v, max(left.u_max, -left.u_min) + reach)
             size_rate = max(size_rate, left.fastest + fastest)
