@@ -206,21 +206,20 @@ def assess(scenes: Sequence[Scene], responses: Sequence[Response], accuracy: flo
     be near the accuracy, two more runs show the scatter of the numbers.
     """
     assessed = list(responses)
-    open_ones = [number for number, each in enumerate(responses) if each.has_result]
+    unsettled = [number for number, response in enumerate(responses) if response.has_result]
     method = responses[0].method if responses else "taylor"
     if accuracy >= FINEST_AT_ONCE and not METHODS[method].takes_step:
         nudge = min(LITTLE * accuracy, NUDGE)
-        judges = solver.solve_all(
-            [_nudge_scene(scenes[each], nudge) for each in open_ones], refine_accuracy(accuracy), method
-        )
-        for number, judge in zip(tuple(open_ones), judges, strict=True):
-            first = responses[number]
-            error = find_difference(first, judge)
-            sensitivity = find_change(first, judge) / nudge
+        nudged = [_nudge_scene(scenes[number], nudge) for number in unsettled]
+        judges = solver.solve_all(nudged, refine_accuracy(accuracy), method)
+        for number, judge in zip(tuple(unsettled), judges, strict=True):
+            response = responses[number]
+            error = find_difference(response, judge)
+            sensitivity = find_change(response, judge) / nudge
             if error <= HARMLESS * accuracy and sensitivity <= HARMLESS * ILL_CONDITIONED:
-                assessed[number] = dataclasses.replace(first, error_estimate=error, sensitivity=sensitivity)
-                open_ones.remove(number)
-    for number in open_ones:
+                assessed[number] = dataclasses.replace(response, error_estimate=error, sensitivity=sensitivity)
+                unsettled.remove(number)
+    for number in unsettled:
         assessed[number] = _assess_closely(scenes[number], responses[number], accuracy)
     return assessed
 
@@ -231,37 +230,51 @@ def _nudge_scene(scene: Scene, nudge: float) -> Scene:
 
 
 def _assess_closely(scene: Scene, response: Response, accuracy: float) -> Response:
-    """Return a response that is assessed by runs of its own."""
-    fixed = METHODS[response.method].takes_step
-    method, tight = ("taylor", BESIDE_FIXED_STEPS) if fixed else (response.method, refine_accuracy(accuracy))
-    second, nudged = solver.solve_all([scene, _nudge_scene(scene, NUDGE)], tight, method)
-    sensitivity = find_change(second, nudged) / NUDGE
-    error = find_difference(response, second)
+    """Return a response that is assessed by runs of its own, or a finer one where it misses the accuracy."""
+    takes_step = METHODS[response.method].takes_step
+    method = "taylor" if takes_step else response.method
+    fine = BESIDE_FIXED_STEPS if takes_step else refine_accuracy(accuracy)
+    judge, nudged = solver.solve_all([scene, _nudge_scene(scene, NUDGE)], fine, method)
+    sensitivity = find_change(judge, nudged) / NUDGE
+    error = find_difference(response, judge)
     seconds = response.seconds
-    while not fixed and error > accuracy and second.has_result:
-        response = second
-        seconds = seconds + second.seconds
-        if tight <= FINEST:
+    while not takes_step and error > accuracy and judge.has_result:
+        response = judge
+        seconds += judge.seconds
+        if fine <= FINEST:
             break
-        tight = refine_accuracy(tight)
-        second = solver.solve(scene, tight, method)
-        error = find_difference(response, second) if second.has_result else error
-    if error == 0.0 and not fixed:
-        error = find_difference(response, solver.solve(scene, tight, method, least_steps=OTHER_STEPS))
-    if not fixed and (error > accuracy or min(error, sensitivity * GRAZING) > DECIDES * accuracy):
-        others = (solver.solve(scene, tight * times, method, least_steps=steps) for times, steps in SCATTER)
+        fine = refine_accuracy(fine)
+        judge = solver.solve(scene, fine, method)
+        error = find_difference(response, judge) if judge.has_result else error
+    if error == 0.0 and not takes_step:
+        error = find_difference(response, solver.solve(scene, fine, method, least_steps=OTHER_STEPS))
+    if not takes_step and (error > accuracy or min(error, sensitivity * GRAZING) > DECIDES * accuracy):
+        others = (solver.solve(scene, fine * times, method, least_steps=steps) for times, steps in SCATTER)
         error = np.nanmax([error, *(find_difference(response, other) for other in others)])
     flags = list(response.flags)
     if sensitivity > ILL_CONDITIONED:
-        moved = f"changes a peak by {sensitivity * NUDGE:.1e}" if sensitivity < np.inf else "decides what collapses"
-        detail = f"a motion that grows gradually by 1e-6 {moved}"
-        flags.append(Flag("ill-conditioned", detail, sensitivity))
+        flags.append(_flag_sensitivity(sensitivity))
     if np.isnan(error):
-        flags.append(Flag("no error estimate", f"the run at {tight:.0e} for the estimate ended with: {second.status}"))
-    if not fixed and error > accuracy:
-        left = f"an error of about {error:.1e} is left" if error < np.inf else "what collapses is open"
-        flags.append(Flag("less accurate than asked", f"{left}, {accuracy:.0e} was asked", float(error)))
+        flags.append(Flag("no error estimate", f"the run at {fine:.0e} for the estimate ended with: {judge.status}"))
+    if not takes_step and error > accuracy:
+        flags.append(_flag_error(float(error), accuracy))
     return dataclasses.replace(
-        response, accuracy=response.accuracy if fixed else accuracy, seconds=seconds, error_estimate=float(error),
-        sensitivity=sensitivity, flags=tuple(flags),
-    )  # fmt: skip
+        response,
+        accuracy=response.accuracy if takes_step else accuracy,
+        seconds=seconds,
+        error_estimate=float(error),
+        sensitivity=sensitivity,
+        flags=tuple(flags),
+    )
+
+
+def _flag_sensitivity(sensitivity: float) -> Flag:
+    """Return the flag of an ill-conditioned scene; its sensitivity [-] is inf where the nudge decides a collapse."""
+    effect = f"changes a peak by {sensitivity * NUDGE:.1e}" if sensitivity < np.inf else "decides what collapses"
+    return Flag("ill-conditioned", f"a motion that grows gradually by 1e-6 {effect}", sensitivity)
+
+
+def _flag_error(error: float, accuracy: float) -> Flag:
+    """Return the flag of a response whose error [-] exceeds the accuracy asked [-]; inf where a collapse is open."""
+    rest = f"an error of about {error:.1e} is left" if error < np.inf else "what collapses is open"
+    return Flag("less accurate than asked", f"{rest}, {accuracy:.0e} was asked", error)
