@@ -68,6 +68,22 @@ BESIDE_FIXED_STEPS = 1e-9
 """Accuracy of the Taylor run that a fixed-step method is judged by."""
 
 
+ARM = 1.0
+"""Distance from the centres of mass at which a twist is told from nothing by what it moves [m]."""
+
+LENGTHS = ("drift", "displacement_max", "displacement_min", "residual_drift", "sway", "max_closing")
+"""Numbers of a response in m."""
+
+LENGTHS_OF_LINES = ("line_drift", "line_residual_drift", "edge_drift_low", "edge_drift_high")
+"""Those where floors twist."""
+
+FORCES = ("shear", "shear_below", "shear_above", "peak_force")
+"""Numbers of a response in N."""
+
+Triple = tuple[np.ndarray, np.ndarray, np.ndarray]
+"""Values of two responses, and what their difference is relative to."""
+
+
 def refine_accuracy(accuracy: float) -> float:
     """Return the accuracy of the run by which one at `accuracy` is judged [-]."""
     return max(accuracy * TIGHTER, FINEST)
@@ -124,14 +140,6 @@ def find_difference(first: Response, second: Response) -> float:
     return _find_largest_difference(first, second, triples)
 
 
-LENGTHS = "drift", "displacement_max", "displacement_min", "residual_drift", "sway", "max_closing"
-LENGTHS_OF_LINES = "line_drift", "line_residual_drift", "edge_drift_low", "edge_drift_high"
-FORCES = "shear", "shear_below", "shear_above", "peak_force"
-
-ARM = 1.0
-"""Distance from the centres of mass at which a twist is told from nothing by what it moves [m]."""
-
-
 def find_scene_sizes(first: Response, second: Response) -> dict[str, float]:
     """Return the size of the scene of two responses for each of its numbers, in the number's unit.
 
@@ -158,10 +166,6 @@ def find_scene_sizes(first: Response, second: Response) -> dict[str, float]:
 def _find_largest(both: Iterable[np.void], name: str) -> float:
     """Return the largest absolute value of a number in two responses; walls that move as the ground does have none."""
     return max(float(np.fmax.reduce(np.abs(peaks[name]).ravel(), initial=0.0)) for peaks in both)
-
-
-Triple = tuple[np.ndarray, np.ndarray, np.ndarray]
-"""Values of two responses, and what their difference is relative to."""
 
 
 def _build_triple(first: np.ndarray, second: np.ndarray, scale: np.ndarray, size: float) -> Triple:
