@@ -68,6 +68,22 @@ BESIDE_FIXED_STEPS = 1e-9
 """Accuracy of the Taylor run that a fixed-step method is judged by."""
 
 
+ARM = 1.0
+"""Distance from the centres of mass at which a twist is told from nothing by what it moves [m]."""
+
+LENGTHS = ("drift", "displacement_max", "displacement_min", "residual_drift", "sway", "max_closing")
+"""Numbers of a response in m."""
+
+LENGTHS_OF_LINES = ("line_drift", "line_residual_drift", "edge_drift_low", "edge_drift_high")
+"""Those where floors twist."""
+
+FORCES = ("shear", "shear_below", "shear_above", "peak_force")
+"""Numbers of a response in N."""
+
+Triple = tuple[np.ndarray, np.ndarray, np.ndarray]
+"""Values of two responses, and what their difference is relative to."""
+
+
 def refine_accuracy(accuracy: float) -> float:
     """Return the accuracy of the run by which one at `accuracy` is judged [-]."""
     return max(accuracy * TIGHTER, FINEST)
@@ -85,12 +101,12 @@ def find_change(first: Response, second: Response) -> float:
 
     It is between two responses of the same buildings, and as of `find_difference`.
     """
-    a = first.peaks
-    b = second.peaks
+    peaks = first.peaks
+    other_peaks = second.peaks
     sizes = find_scene_sizes(first, second)
-    names = ("shear", "drift", "line_shear", "line_drift") if count_lines(a) else ("shear", "drift")
-    found = [_build_triple(a[name], b[name], a[name], sizes[name]) for name in names]
-    return _find_largest_difference(first, second, found)
+    names = ("shear", "drift", "line_shear", "line_drift") if count_lines(peaks) else ("shear", "drift")
+    triples = [_build_triple(peaks[name], other_peaks[name], peaks[name], sizes[name]) for name in names]
+    return _find_largest_difference(first, second, triples)
 
 
 def find_difference(first: Response, second: Response) -> float:
@@ -104,32 +120,24 @@ def find_difference(first: Response, second: Response) -> float:
     number below 1e-8 of the scene's size, `find_scene_sizes`, counts as zero, and a link that presses by rounding as
     one that does not. Counts are left out, and so are energies, whose error is the ledger's residual.
     """
-    a = first.peaks
-    b = second.peaks
+    peaks = first.peaks
+    other_peaks = second.peaks
     sizes = find_scene_sizes(first, second)
-    reach = np.maximum(a["displacement_max"], -a["displacement_min"])
-    scales = {"displacement_max": reach, "displacement_min": reach, "residual_drift": a["drift"]}
+    reach = np.maximum(peaks["displacement_max"], -peaks["displacement_min"])
+    scales = {"displacement_max": reach, "displacement_min": reach, "residual_drift": peaks["drift"]}
     for name in ("peak_force", "max_closing", "impulse"):
-        scales[name] = np.full_like(a[name], np.abs(a[name]).max(initial=0.0))
+        scales[name] = np.full_like(peaks[name], np.abs(peaks[name]).max(initial=0.0))
     for name in ("shear", "drift", "acceleration", "sway", "rocking", "shear_below", "shear_above"):
-        scales[name] = a[name]
-    if count_lines(a):
-        scales |= {name: a[name] for name in ("line_shear", "line_drift", *TURNS)}
-        scales["line_residual_drift"] = a["line_drift"]
-    found = [_build_triple(a[name], b[name], scale, sizes[name]) for name, scale in scales.items()]
-    presses = np.maximum(a["peak_force"], b["peak_force"]) > ROUNDING * sizes["peak_force"]
-    time, other_time = (np.where(presses, each["contact_time"], 0.0) for each in (a, b))
-    found.append((time, other_time, np.full_like(time, time.max(initial=0.0))))
-    found.append((a["collapse_time"], b["collapse_time"], a["collapse_time"]))
-    return _find_largest_difference(first, second, found)
-
-
-LENGTHS = "drift", "displacement_max", "displacement_min", "residual_drift", "sway", "max_closing"
-LENGTHS_OF_LINES = "line_drift", "line_residual_drift", "edge_drift_low", "edge_drift_high"
-FORCES = "shear", "shear_below", "shear_above", "peak_force"
-
-ARM = 1.0
-"""Distance from the centres of mass at which a twist is told from nothing by what it moves [m]."""
+        scales[name] = peaks[name]
+    if count_lines(peaks):
+        scales |= {name: peaks[name] for name in ("line_shear", "line_drift", *TURNS)}
+        scales["line_residual_drift"] = peaks["line_drift"]
+    triples = [_build_triple(peaks[name], other_peaks[name], scale, sizes[name]) for name, scale in scales.items()]
+    presses = np.maximum(peaks["peak_force"], other_peaks["peak_force"]) > ROUNDING * sizes["peak_force"]
+    time, other_time = (np.where(presses, each["contact_time"], 0.0) for each in (peaks, other_peaks))
+    triples.append((time, other_time, np.full_like(time, time.max(initial=0.0))))
+    triples.append((peaks["collapse_time"], other_peaks["collapse_time"], peaks["collapse_time"]))
+    return _find_largest_difference(first, second, triples)
 
 
 def find_scene_sizes(first: Response, second: Response) -> dict[str, float]:
@@ -158,10 +166,6 @@ def find_scene_sizes(first: Response, second: Response) -> dict[str, float]:
 def _find_largest(both: Iterable[np.void], name: str) -> float:
     """Return the largest absolute value of a number in two responses; walls that move as the ground does have none."""
     return max(float(np.fmax.reduce(np.abs(peaks[name]).ravel(), initial=0.0)) for peaks in both)
-
-
-Triple = tuple[np.ndarray, np.ndarray, np.ndarray]
-"""Values of two responses, and what their difference is relative to."""
 
 
 def _build_triple(first: np.ndarray, second: np.ndarray, scale: np.ndarray, size: float) -> Triple:
@@ -205,24 +209,23 @@ def assess(scenes: Sequence[Scene], responses: Sequence[Response], accuracy: flo
     finer one, until the estimate meets the accuracy or double precision is not enough. In that case, or if rounding may
     be near the accuracy, two more runs show the scatter of the numbers.
     """
-    known = list(responses)
-    open_ones = [number for number, each in enumerate(responses) if each.has_result]
+    assessed = list(responses)
+    unsettled = [number for number, response in enumerate(responses) if response.has_result]
     method = responses[0].method if responses else "taylor"
     if accuracy >= FINEST_AT_ONCE and not METHODS[method].takes_step:
         nudge = min(LITTLE * accuracy, NUDGE)
-        judges = solver.solve_all(
-            [_nudge_scene(scenes[each], nudge) for each in open_ones], refine_accuracy(accuracy), method
-        )
-        for number, judge in zip(tuple(open_ones), judges, strict=True):
-            first = responses[number]
-            error = find_difference(first, judge)
-            sensitivity = find_change(first, judge) / nudge
+        nudged = [_nudge_scene(scenes[number], nudge) for number in unsettled]
+        judges = solver.solve_all(nudged, refine_accuracy(accuracy), method)
+        for number, judge in zip(tuple(unsettled), judges, strict=True):
+            response = responses[number]
+            error = find_difference(response, judge)
+            sensitivity = find_change(response, judge) / nudge
             if error <= HARMLESS * accuracy and sensitivity <= HARMLESS * ILL_CONDITIONED:
-                known[number] = dataclasses.replace(first, error_estimate=error, sensitivity=sensitivity)
-                open_ones.remove(number)
-    for number in open_ones:
-        known[number] = _assess_closely(scenes[number], responses[number], accuracy)
-    return known
+                assessed[number] = dataclasses.replace(response, error_estimate=error, sensitivity=sensitivity)
+                unsettled.remove(number)
+    for number in unsettled:
+        assessed[number] = _assess_closely(scenes[number], responses[number], accuracy)
+    return assessed
 
 
 def _nudge_scene(scene: Scene, nudge: float) -> Scene:
@@ -231,37 +234,51 @@ def _nudge_scene(scene: Scene, nudge: float) -> Scene:
 
 
 def _assess_closely(scene: Scene, response: Response, accuracy: float) -> Response:
-    """Return a response that is assessed by runs of its own."""
-    fixed = METHODS[response.method].takes_step
-    method, tight = ("taylor", BESIDE_FIXED_STEPS) if fixed else (response.method, refine_accuracy(accuracy))
-    second, nudged = solver.solve_all([scene, _nudge_scene(scene, NUDGE)], tight, method)
-    sensitivity = find_change(second, nudged) / NUDGE
-    error = find_difference(response, second)
+    """Return a response that is assessed by runs of its own, or a finer one where it misses the accuracy."""
+    takes_step = METHODS[response.method].takes_step
+    method = "taylor" if takes_step else response.method
+    fine = BESIDE_FIXED_STEPS if takes_step else refine_accuracy(accuracy)
+    judge, nudged = solver.solve_all([scene, _nudge_scene(scene, NUDGE)], fine, method)
+    sensitivity = find_change(judge, nudged) / NUDGE
+    error = find_difference(response, judge)
     seconds = response.seconds
-    while not fixed and error > accuracy and second.has_result:
-        response = second
-        seconds = seconds + second.seconds
-        if tight <= FINEST:
+    while not takes_step and error > accuracy and judge.has_result:
+        response = judge
+        seconds += judge.seconds
+        if fine <= FINEST:
             break
-        tight = refine_accuracy(tight)
-        second = solver.solve(scene, tight, method)
-        error = find_difference(response, second) if second.has_result else error
-    if error == 0.0 and not fixed:
-        error = find_difference(response, solver.solve(scene, tight, method, least_steps=OTHER_STEPS))
-    if not fixed and (error > accuracy or min(error, sensitivity * GRAZING) > DECIDES * accuracy):
-        others = (solver.solve(scene, tight * times, method, least_steps=steps) for times, steps in SCATTER)
+        fine = refine_accuracy(fine)
+        judge = solver.solve(scene, fine, method)
+        error = find_difference(response, judge) if judge.has_result else error
+    if error == 0.0 and not takes_step:
+        error = find_difference(response, solver.solve(scene, fine, method, least_steps=OTHER_STEPS))
+    if not takes_step and (error > accuracy or min(error, sensitivity * GRAZING) > DECIDES * accuracy):
+        others = (solver.solve(scene, fine * times, method, least_steps=steps) for times, steps in SCATTER)
         error = np.nanmax([error, *(find_difference(response, other) for other in others)])
     flags = list(response.flags)
     if sensitivity > ILL_CONDITIONED:
-        moved = f"changes a peak by {sensitivity * NUDGE:.1e}" if sensitivity < np.inf else "decides what collapses"
-        detail = f"a motion that grows gradually by 1e-6 {moved}"
-        flags.append(Flag("ill-conditioned", detail, sensitivity))
+        flags.append(_flag_sensitivity(sensitivity))
     if np.isnan(error):
-        flags.append(Flag("no error estimate", f"the run at {tight:.0e} for the estimate ended with: {second.status}"))
-    if not fixed and error > accuracy:
-        left = f"an error of about {error:.1e} is left" if error < np.inf else "what collapses is open"
-        flags.append(Flag("less accurate than asked", f"{left}, {accuracy:.0e} was asked", float(error)))
+        flags.append(Flag("no error estimate", f"the run at {fine:.0e} for the estimate ended with: {judge.status}"))
+    if not takes_step and error > accuracy:
+        flags.append(_flag_error(float(error), accuracy))
     return dataclasses.replace(
-        response, accuracy=response.accuracy if fixed else accuracy, seconds=seconds, error_estimate=float(error),
-        sensitivity=sensitivity, flags=tuple(flags),
-    )  # fmt: skip
+        response,
+        accuracy=response.accuracy if takes_step else accuracy,
+        seconds=seconds,
+        error_estimate=float(error),
+        sensitivity=sensitivity,
+        flags=tuple(flags),
+    )
+
+
+def _flag_sensitivity(sensitivity: float) -> Flag:
+    """Return the flag of an ill-conditioned scene; its sensitivity [-] is inf where the nudge decides a collapse."""
+    effect = f"changes a peak by {sensitivity * NUDGE:.1e}" if sensitivity < np.inf else "decides what collapses"
+    return Flag("ill-conditioned", f"a motion that grows gradually by 1e-6 {effect}", sensitivity)
+
+
+def _flag_error(error: float, accuracy: float) -> Flag:
+    """Return the flag of a response whose error [-] exceeds the accuracy asked [-]; inf where a collapse is open."""
+    rest = f"an error of about {error:.1e} is left" if error < np.inf else "what collapses is open"
+    return Flag("less accurate than asked", f"{rest}, {accuracy:.0e} was asked", error)

@@ -42,7 +42,7 @@ contact: only a series tells the sign of what begins by a high power of time."""
 @njit(**CALLED)
 def find_first_event(dofs, elements, terms, run, series):
     """Return whether an element leaves its branch in [0, 1]; the place where the first does goes to run.end."""
-    found = False
+    has_event = False
     for e in range(run.m):
         el = elements[e]
         el.at = NEVER
@@ -65,8 +65,8 @@ def find_first_event(dofs, elements, terms, run, series):
                     el.guard = guard
         if el.at < run.end:
             run.end = el.at
-            found = True
-    return found
+            has_event = True
+    return has_event
 
 
 @njit(**PART)

@@ -136,7 +136,7 @@ def _end_step(dofs, elements, terms, run, columns, room, h):
 
 
 @njit(**PART)
-def _step_by_central_difference(dofs, elements, terms, run, room, half, h, ground, first):
+def _step_by_central_difference(dofs, elements, terms, run, room, half, h, ground, is_first):
     """Take a step by central difference; return True, since it always finds an end.
 
     u' half a step later follows from u'' now, and u a step later from that. Damping forces take the velocity
@@ -147,8 +147,8 @@ def _step_by_central_difference(dofs, elements, terms, run, room, half, h, groun
     for i in range(run.n):
         dof = dofs[i]
         acceleration = dof.a0 - dof.loaded * run.g0
-        before = dof.w[0] if first else half[i]
-        half[i] = before + (0.5 * h if first else h) * acceleration
+        before = dof.w[0] if is_first else half[i]
+        half[i] = before + (0.5 * h if is_first else h) * acceleration
         dof.u1 = dof.u0 + h * half[i]
         dof.v1 = 1.5 * half[i] - 0.5 * before
     add_forces(dofs, elements, terms, run, room, ground)
@@ -202,33 +202,33 @@ def _step_by_newmark(dofs, elements, terms, run, room, memory, shape, h, ground)
     shape : as of `_build_matrix`
     """
     n = run.n
-    missing = np.zeros(run.n)
-    kept = memory.copy()
+    residual = np.zeros(run.n)
+    memory_at_start = memory.copy()
     for i in range(n):  # as a first guess the acceleration stays
         dofs[i].a1 = dofs[i].a0 - dofs[i].loaded * (run.g0 - ground)
     for _ in range(MAX_ITERATIONS):
         for i in range(n):
             dof = dofs[i]
-            both = dof.a0 - dof.loaded * run.g0 + dof.a1 - dof.loaded * ground
-            dof.u1 = dof.u0 + h * dof.w[0] + 0.25 * h * h * both
-            dof.v1 = dof.w[0] + 0.5 * h * both
-        memory[:] = kept
+            sum_of_accelerations = dof.a0 - dof.loaded * run.g0 + dof.a1 - dof.loaded * ground
+            dof.u1 = dof.u0 + h * dof.w[0] + 0.25 * h * h * sum_of_accelerations
+            dof.v1 = dof.w[0] + 0.5 * h * sum_of_accelerations
+        memory[:] = memory_at_start
         add_forces(dofs, elements, terms, run, room, ground)
-        left = most = 0.0
+        largest_residual = largest_force = 0.0
         for i in range(n):
             dof = dofs[i]
             inertia = dof.mass * (dof.a1 - dof.loaded * ground)
-            missing[i] = -(inertia + dof.push) if dof.inv_mass > 0.0 else 0.0
-            left = max(left, abs(missing[i]))
-            most = max(most, max(abs(inertia), abs(dof.push)))
-        if left <= CONVERGED * most:
+            residual[i] = -(inertia + dof.push) if dof.inv_mass > 0.0 else 0.0
+            largest_residual = max(largest_residual, abs(residual[i]))
+            largest_force = max(largest_force, max(abs(inertia), abs(dof.push)))
+        if largest_residual <= CONVERGED * largest_force:
             return True
-        if not most < 1e300:
+        if not largest_force < 1e300:
             break
-        more = np.linalg.solve(_build_matrix(dofs, elements, run, room, h, shape), missing)
+        correction = np.linalg.solve(_build_matrix(dofs, elements, run, room, h, shape), residual)
         for i in range(n):
-            dofs[i].a1 += more[i]
-    memory[:] = kept
+            dofs[i].a1 += correction[i]
+    memory[:] = memory_at_start
     return False
 
 
@@ -252,7 +252,7 @@ def march(dofs, elements, terms, runs, series, columns, room, ground, slopes, me
     for i in range(run.n):
         dofs[i].a0 = -dofs[i].push * dofs[i].inv_mass + dofs[i].loaded * run.g0
     whole = run.dt / parts
-    first = True
+    is_first = True
     for segment in range(ground.size):
         elapsed = 0.0
         h = whole
@@ -264,16 +264,16 @@ def march(dofs, elements, terms, runs, series, columns, room, ground, slopes, me
             run.g0 = ground[segment] + slopes[segment] * elapsed
             g1 = ground[segment] + slopes[segment] * (elapsed + h)
             if method == 0:
-                found = _step_by_central_difference(dofs, elements, terms, run, room, half, h, g1, first)
+                has_root = _step_by_central_difference(dofs, elements, terms, run, room, half, h, g1, is_first)
             else:
-                found = _step_by_newmark(dofs, elements, terms, run, room, memory, shape, h, g1)
-            if not found:
+                has_root = _step_by_newmark(dofs, elements, terms, run, room, memory, shape, h, g1)
+            if not has_root:
                 run.trials += 1
                 h *= 0.5
                 if h < MIN_PART * whole:
                     run.status = NO_ROOT
                 continue
-            first = False
+            is_first = False
             _end_step(dofs, elements, terms, run, columns, room, h)
             elapsed += h
             run.time = segment * run.dt + elapsed

@@ -28,11 +28,38 @@ def _is_of_one_sign(first, last, deviation):
 
 @njit(**CALLED)
 def raise_peaks(dofs, elements, terms, run, series, columns):
-    """Raise every largest value that this step, up to s = run.end, exceeds."""
+    """Raise every largest value that this step, up to s = run.end, exceeds.
+
+    The walks stand here and not in functions of their own, with which a run takes a tenth longer.
+    """
     for i in range(run.n):
-        _raise_motion(dofs[i], run)
+        dof = dofs[i]
+        if max(dof.u0, dof.u1) + dof.du > dof.u_max or min(dof.u0, dof.u1) - dof.du < dof.u_min:
+            dof.u_max = max(dof.u_max, dof.u0, dof.u1)
+            dof.u_min = min(dof.u_min, dof.u0, dof.u1)
+            if not _is_of_one_sign(dof.w[0], dof.v1, dof.dv):
+                if max(dof.u0, dof.u1) + dof.du > dof.u_max:
+                    dof.u_max = _find_displacement(dof, run, 1.0, dof.u_max)
+                if min(dof.u0, dof.u1) - dof.du < dof.u_min:
+                    dof.u_min = -_find_displacement(dof, run, -1.0, -dof.u_min)
+        if dof.felt == 0.0:
+            continue
+        largest = max(abs(dof.a0), abs(dof.a1))
+        if largest + dof.da > dof.a_max:
+            dof.a_max = max(dof.a_max, largest)
+            if _can_turn(dof.a0, dof.a1, dof.da):
+                _raise_acceleration(dof, run)
     for e in range(run.m):
-        _raise_element(dofs, elements, terms, run, series, e)
+        el = elements[e]
+        is_storey = el.drifts != 0
+        if _raise_to_ends(el, is_storey):
+            build_rate(dofs, elements, terms, run, e)
+            _raise_deformation(el, run, is_storey)
+        if not is_storey and el.least > -TOUCH and el.v0 <= 0.0:  # how far floors in touch part, inside the step too
+            build_rate(dofs, elements, terms, run, e)
+            el.least = -find_largest(run, integrate_rate(run, -1.0, -el.v0), run.end, -el.least, is_storey)
+        if el.acts and (el.smooth if is_storey else el.closed):
+            _raise_force(el, run, series[el.row])
     for c in range(run.columns):
         column = columns[c]
         if elements[column.storey].twists:
@@ -41,42 +68,7 @@ def raise_peaks(dofs, elements, terms, run, series, columns):
             _raise_column_shear(dofs, elements, terms, run, series, column)
 
 
-@njit(**PART)
-def _raise_motion(dof, run):
-    """Raise the largest displacements and the largest |total acceleration| of a degree of freedom."""
-    if max(dof.u0, dof.u1) + dof.du > dof.u_max or min(dof.u0, dof.u1) - dof.du < dof.u_min:
-        dof.u_max = max(dof.u_max, dof.u0, dof.u1)
-        dof.u_min = min(dof.u_min, dof.u0, dof.u1)
-        if not _is_of_one_sign(dof.w[0], dof.v1, dof.dv):
-            if max(dof.u0, dof.u1) + dof.du > dof.u_max:
-                dof.u_max = _find_displacement(dof, run, 1.0, dof.u_max)
-            if min(dof.u0, dof.u1) - dof.du < dof.u_min:
-                dof.u_min = -_find_displacement(dof, run, -1.0, -dof.u_min)
-    if dof.felt == 0.0:
-        return
-    largest = max(abs(dof.a0), abs(dof.a1))
-    if largest + dof.da > dof.a_max:
-        dof.a_max = max(dof.a_max, largest)
-        if _can_turn(dof.a0, dof.a1, dof.da):
-            _raise_acceleration(dof, run)
-
-
-@njit(**PART)
-def _raise_element(dofs, elements, terms, run, series, e):
-    """Raise the largest deformations and the largest |force| of element e."""
-    el = elements[e]
-    is_storey = el.drifts != 0
-    if _raise_to_ends(el, is_storey):
-        build_rate(dofs, elements, terms, run, e)
-        _raise_deformation(el, run, is_storey)
-    if not is_storey and el.least > -TOUCH and el.v0 <= 0.0:  # how far floors in touch part, inside the step too
-        build_rate(dofs, elements, terms, run, e)
-        el.least = -find_largest(run, integrate_rate(run, -1.0, -el.v0), run.end, -el.least, is_storey)
-    if el.acts and (el.smooth if is_storey else el.closed):
-        _raise_force(el, run, series[el.row])
-
-
-@njit(**PART)
+@njit(**CALLED)
 def _raise_twisting(dofs, elements, terms, run, series, column):
     """Raise the largest |shear| of a storey whose floors twist, or of its struck columns, and its edge drifts."""
     el = elements[column.storey]

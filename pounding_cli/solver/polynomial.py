@@ -193,8 +193,8 @@ def find_largest(run, n, end, best, absolute):
         if first == 0.0:  # look behind the turn that the piece begins with
             first = evaluate(p, n - 1, low + 1e-6 * end, q)
         if first * after < 0.0 and reach + rise > best:
-            found = evaluate(p, n, _find_root(run, q, q + n - 1, low, high, first, after, TURN_ACCURACY))
-            best = max(best, abs(found) if absolute else found)
+            turn = evaluate(p, n, _find_root(run, q, q + n - 1, low, high, first, after, TURN_ACCURACY))
+            best = max(best, abs(turn) if absolute else turn)
         low = high
         left = right
         first = after

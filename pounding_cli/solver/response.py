@@ -16,11 +16,16 @@ if TYPE_CHECKING:
     from pounding_cli.model.effects import DroppedEffect
 
 DONE = "done"
+"""Outcome of a run that came to the end of its motion."""
+
 COLLAPSED = "collapsed"
-"""The outcomes of runs that tell something of their scene."""
+"""Outcome of a run that ended as a storey collapsed."""
 
 OUTCOMES = (DONE, COLLAPSED)
+"""Outcomes of runs that tell something of their scene."""
 
+# numbers of a record of peaks: of every storey and floor; of every building; of every link; where floors twist of every
+# storey of a line, and of every floor and storey
 STOREYS = ("shear", "drift", "ductility", "acceleration", "displacement_max", "displacement_min", "residual_drift")
 BASES = ("sway", "rocking", "isolator_displacement")
 COLLAPSES = ("collapse_storey", "collapse_time")
@@ -279,10 +284,10 @@ class Response:
     @property
     def links(self) -> LinkPeaks:
         """The largest values over time of the links of the scene, in their order."""
-        found = {name: self.peaks[name] for name in LINKS}
+        values = {name: self.peaks[name] for name in LINKS}
         if self.has_result:
-            found["impacts"] = found["impacts"].astype(np.int64)
-        return LinkPeaks(**found)
+            values["impacts"] = values["impacts"].astype(np.int64)
+        return LinkPeaks(**values)
 
     @property
     def columns(self) -> ColumnPeaks:

@@ -40,6 +40,7 @@ laws follow by short steps."""
 NO_RESIDUAL_DRIFT = "no residual drift"
 """The flag of a scene without drifts at rest; its detail is one of these reasons."""
 
+# reasons why a scene has no drifts at rest
 NEVER_AT_REST = "nothing damps the vibration after the motion"
 NOT_AT_REST = f"not at rest {MAX_TAIL:g} s after the motion"
 COLLAPSES_LATER = "a storey collapses in free vibration after the motion"

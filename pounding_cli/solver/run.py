@@ -188,6 +188,8 @@ def keep_state(dofs, elements, run, watch):
 def integrate(all_dofs, all_elements, terms, runs, all_series, all_columns, rooms, watch, ground, slopes, ends):
     """Run scenes of one layout, a row each, through their whole motions; how each ends is its run.status.
 
+    The loop stands here whole: parts of it in functions of their own would round otherwise in the last digit.
+
     Parameters
     ----------
     ground, slopes : acceleration at the start of every segment of run.dt [m/s2], and its slope [m/s3], of the scenes

@@ -180,9 +180,7 @@ def take_smooth_step(dofs, elements, terms, run, series, room):
                     return
                 stage = 1
                 continue
-            if (
-                run.onset < 0.0
-            ):  # the first step of a contact: where its force has no derivatives steps have to grow anew
+            if run.onset < 0.0:  # in the first step of a contact: steps grow anew where its force has no derivatives
                 run.onset = run.h
                 run.across = max(run.across, run.h)
             run.next = run.h * factor

@@ -102,27 +102,26 @@ def deform_elements(dofs, elements, terms, run):
         left = dofs[el.left]
         right = dofs[el.right]
         v = left.u1 - el.offset - el.hold * right.u1
-        of_v = abs(left.u1 - el.offset) + abs(el.hold * right.u1)
+        size_v = abs(left.u1 - el.offset) + abs(el.hold * right.u1)
         rate = left.v1 - el.hold * right.v1
-        of_rate = abs(left.v1) + abs(el.hold * right.v1)
+        size_rate = abs(left.v1) + abs(el.hold * right.v1)
         for x in range(el.first, el.last):
             u = terms[x].weight * dofs[terms[x].dof].u1
             w = terms[x].weight * dofs[terms[x].dof].v1
-            v = v + u
-            of_v = of_v + abs(u)
-            rate = rate + w
-            of_rate = of_rate + abs(w)
-        if el.drifts == 0 and (
-            abs(v) < NEAR_ZERO or abs(rate) < NEAR_ZERO
-        ):  # what floors have come to stays in their sums
+            v += u
+            size_v += abs(u)
+            rate += w
+            size_rate += abs(w)
+        if el.drifts == 0 and (abs(v) < NEAR_ZERO or abs(rate) < NEAR_ZERO):
+            # the largest displacements and speeds so far have left their rounding in these sums
             reach, fastest = find_reach_of_terms(dofs, terms, el)
-            of_v = max(of_v, max(left.u_max, -left.u_min) + reach)
-            of_rate = max(of_rate, left.fastest + fastest)
-        el.v1 = zero_if_rounding(v, of_v, LAST_DIGITS)
-        el.r1 = zero_if_rounding(rate, of_rate, LAST_DIGITS)
+            size_v = max(size_v, max(left.u_max, -left.u_min) + reach)
+            size_rate = max(size_rate, left.fastest + fastest)
+        el.v1 = zero_if_rounding(v, size_v, LAST_DIGITS)
+        el.r1 = zero_if_rounding(rate, size_rate, LAST_DIGITS)
         if has_lines and el.twists:
-            el.size_v = of_v
-            el.size_r = of_rate
+            el.size_v = size_v
+            el.size_r = size_rate
 
 
 @njit(**PART)
@@ -163,8 +162,8 @@ def build_rate(dofs, elements, terms, run, e):
         size = abs(left[k]) + abs(el.hold * right[k])
         for x in range(el.first, el.last):
             part = terms[x].weight * dofs[terms[x].dof].w[k]
-            total = total + part
-            size = size + abs(part)
+            total += part
+            size += abs(part)
         p[k] = zero_if_rounding(total, size, rounding)
     if el.pinned >= RATE or el.r0 == 0.0:
         p[0] = el.r0

@@ -62,18 +62,18 @@ class WorkPrecision:
     compiling: float = 0.0
 
 
-def find_errors(found: Response, reference: Response) -> dict[str, float]:
+def find_errors(response: Response, reference: Response) -> dict[str, float]:
     """Return the largest relative errors by QUANTITIES [-]; forces are relative to the scene's largest."""
     worst = dict.fromkeys(QUANTITIES, 0.0)
     fields = {"V": "shear", "mu": "ductility", "acceleration": "acceleration"}
     for quantity, name in fields.items():
-        x = found.peaks[name]
+        x = response.peaks[name]
         y = reference.peaks[name]
         moving = np.nan_to_num(y) != 0
         worst[quantity] = float(np.max(np.abs(x[moving] / y[moving] - 1), initial=0.0))
     force = reference.links.peak_force
     if force.size and force.max() > 0:
-        worst["force"] = float(np.max(np.abs(found.links.peak_force - force)) / force.max())
+        worst["force"] = float(np.max(np.abs(response.links.peak_force - force)) / force.max())
     return worst
 
 
@@ -89,8 +89,8 @@ def resolve_methods(names: Sequence[str]) -> tuple[str, ...]:
 
 def _solve_at(scene: Scene, name: str, setting: float) -> Response:
     """Return the response by a method at a value of its setting."""
-    told = {METHODS[name].setting.key: setting}
-    return solve(scene, method=name, **told)  # type: ignore[arg-type]
+    settings = {METHODS[name].setting.key: setting}
+    return solve(scene, method=name, **settings)  # type: ignore[arg-type]
 
 
 def measure(
@@ -117,9 +117,9 @@ def measure(
             break
         tell(", ".join(place.values()))
         begin = time.perf_counter()
-        able = [name for name in methods if not explain_refusal(METHODS[name], scene)]
+        runnable = [name for name in methods if not explain_refusal(METHODS[name], scene)]
         short = dataclasses.replace(scene, motion=scene.motion.cut_to(WARM_UP * scene.motion.dt))
-        for name in {*able, REFERENCE[0], SECOND[0]}:
+        for name in {*runnable, REFERENCE[0], SECOND[0]}:
             _solve_at(short, name, 1e-4)
         compiled = time.perf_counter()
         reference = _solve_at(scene, *REFERENCE)
@@ -127,9 +127,9 @@ def measure(
         if reference.status == second.status == DONE:
             impacts = int(np.abs(reference.links.impacts - second.links.impacts).sum())
             references.append({**place, **find_errors(second, reference), "impacts": impacts})
-            together = sum(other["record"] == place["record"] for other, _ in order[number:])
-            share = ((budget - spent) / together - (time.perf_counter() - compiled)) / len(methods)
-            for name in able:
+            scenes_of_motion = sum(other["record"] == place["record"] for other, _ in order[number:])
+            share = ((budget - spent) / scenes_of_motion - (time.perf_counter() - compiled)) / len(methods)
+            for name in runnable:
                 rows = list(_iter_runs(scene, name, reference, share))
                 runs += [{**place, **row} for row in rows]
                 skipped.update((name, setting) for setting in METHODS[name].setting.trial_values[len(rows) :])
@@ -154,27 +154,27 @@ def estimate_noise(seconds: Sequence[float]) -> float:
 def _iter_runs(scene: Scene, name: str, reference: Response, allowed: float) -> Iterator[dict[str, Any]]:
     """Yield the runs of one method from coarse to fine, one at least, as far as the time allowed [s] reaches."""
     begin = time.perf_counter()
-    last = 0.0
-    before = 0.0
+    last_seconds = 0.0
+    last_setting = 0.0
     settings = METHODS[name].setting.trial_values
     for setting in settings:
-        longer = before / setting if METHODS[name].takes_step else 1.0
-        if last and time.perf_counter() - begin + last * longer > allowed:
+        longer = last_setting / setting if METHODS[name].takes_step else 1.0
+        if last_seconds and time.perf_counter() - begin + last_seconds * longer > allowed:
             return
-        found = _solve_at(scene, name, setting)
-        seconds = [found.seconds]
-        done = found.status == DONE
-        repeated = min(MAX_REPEAT_TIME, allowed / len(settings))
-        while done and len(seconds) < MAX_REPEATS and sum(seconds) + found.seconds < repeated:
+        response = _solve_at(scene, name, setting)
+        seconds = [response.seconds]
+        done = response.status == DONE
+        repeat_time = min(MAX_REPEAT_TIME, allowed / len(settings))
+        while done and len(seconds) < MAX_REPEATS and sum(seconds) + response.seconds < repeat_time:
             seconds.append(_solve_at(scene, name, setting).seconds)
-        errors = find_errors(found, reference) if done else dict.fromkeys(QUANTITIES, np.nan)
+        errors = find_errors(response, reference) if done else dict.fromkeys(QUANTITIES, np.nan)
         yield {
-            "method": name, "setting": setting, "status": found.status, "seconds": min(seconds),
+            "method": name, "setting": setting, "status": response.status, "seconds": min(seconds),
             "seconds_noise": estimate_noise(seconds),
-            "steps": found.steps, "events": found.events, **{f"error_{q}": error for q, error in errors.items()},
-            "impacts": int(found.links.impacts.sum()) if done else np.nan,
+            "steps": response.steps, "events": response.events, **{f"error_{q}": error for q, error in errors.items()},
+            "impacts": int(response.links.impacts.sum()) if done else np.nan,
             "impacts_reference": int(reference.links.impacts.sum()),
-            "energy_residual": found.energy.get("residual", np.nan), "advice": found.advice,
+            "energy_residual": response.energy.get("residual", np.nan), "advice": response.advice,
         }  # fmt: skip
-        last = found.seconds
-        before = setting
+        last_seconds = response.seconds
+        last_setting = setting

@@ -261,8 +261,8 @@ def test_a_time_history_that_is_solved_once_more_is_flagged(pound, folder, monke
     ("flag", "constants"),
     [
         ("ill-conditioned", {"ILL_CONDITIONED": 0.0}),
-        ("less accurate than asked", {"difference": lambda one, other: 1e-3}),
-        ("no error estimate", {"difference": lambda one, other: np.nan}),
+        ("less accurate than asked", {"find_difference": lambda one, other: 1e-3}),
+        ("no error estimate", {"find_difference": lambda one, other: np.nan}),
     ],
 )
 def test_flags_of_the_estimate(pound, folder, monkeypatch, flag, constants):

@@ -40,7 +40,7 @@ def copied(tmp_path):
         for mark in ("def _step_by_heun(", "FIXED =", '"heun", "Heun", 2', "roofs = []")
     )
     listed, called = call.split("\n", 1)
-    last, end = "            else:\n                found = _step_by_newmark", ")  # fmt: skip\n\nMETHODS"
+    last, end = "            else:\n                has_root = _step_by_newmark", ")  # fmt: skip\n\nMETHODS"
     _replace(
         tmp_path / "pounding_cli" / "solver" / "fixed_step.py",
         ('FIXED = ("central-difference", "newmark")', listed),

@@ -195,7 +195,7 @@ def test_lines_count_in_the_estimate() -> None:
     for name in ("line_drift", "line_shear", "twist", "edge_drift_low", "line_residual_drift"):
         peaks = found.peaks.copy()
         peaks[name] = peaks[name] * 1.01
-        assert estimates.difference(found, replace(found, peaks=peaks)) > 1e-5
+        assert estimates.find_difference(found, replace(found, peaks=peaks)) > 1e-5
 
 
 def test_plans_that_nothing_keeps_from_turning_are_refused() -> None:
