@@ -51,6 +51,11 @@ def line_values(shown: Evidence, name: str, building: str, **places: str) -> np.
     return np.where(is_along, shown.values(name, building=building, **places), np.nan)
 
 
+def has_lines_across(shown: Evidence, building: str) -> bool:
+    """Return whether a building has frame lines across the row, which resist the twist alone."""
+    return "line_x" in shown.results.arrays and bool(np.isfinite(shown.values("line_x", building=building)).any())
+
+
 def keep_lines_along(results: ResultTables, name: str) -> np.ndarray:
     """Return a variable of frame lines over all its dimensions, NaN of lines across the row."""
     array = results.arrays[name]
