@@ -11,6 +11,7 @@ import pytest
 from pydantic_core import PydanticCustomError
 
 import pounding_cli as pound
+from pounding_cli.cli.results import _iter_changes
 from pounding_cli.questions.expressions import evaluate_error, evaluate_expression, find_twist_problem
 from pounding_cli.questions.run.ranking import rank_cases
 from pounding_cli.questions.run.words import list_notes, list_sentences, list_tables
@@ -364,9 +365,20 @@ def test_motions_without_numbers_are_left_out_of_tables_of_lines(results):
     assert row["V"] == line.query("line == 2 and record == 'taft'")["V"].max()
 
 
+def test_lines_at_other_places_are_named(results):
+    """Fails if lines of one number are compared without a word though they stand elsewhere in the plan, or a plan that
+    is shifted counts as another one."""
+    shifted = change(results, "line_street", (0, 0), 0.9)  # from -10 and 4 m to -9 and 5 m
+    shifted = change(shifted, "line_street", (0, 1), 1.25)
+    moved = change(results, "line_street", (0, 1), 1.5)
+    assert compare(results, shifted).other_lines == []
+    assert compare(results, moved).other_lines == ["corner"]
+    assert any("Frame lines of corner are compared" in each for each in _iter_changes(compare(results, moved), False))
+
+
 def test_a_changed_line_is_found(results):
     other = change(results, "line_mu", (1, 0, 1, 1, 0, 1, 1), 1.001)
     assert compare(results, results).has_same_numbers
     (found,) = compare(results, other).changes.to_dict("records")
     assert (found["table"], found["column"]) == ("line", "line_mu")
-    assert found["place"].endswith("touching, inelastic, taft, corner, 2, 2")
+    assert found["place"].endswith("touching, inelastic, taft, corner, storey 2, line 2")
