@@ -150,6 +150,23 @@ def test_contact_by_place(results):
     assert row["contacts"] == nominal.groupby("record")["impacts"].sum().mean() > 0
 
 
+def test_links_at_one_place_by_kind(tmp_path):
+    """A damper has a row of its own where floors strike too, and no contacts. Fails if its force counts as a blow."""
+    path = tmp_path / "damped.yaml"
+    links = "[pounding, {link: damper, damping_coefficient: 2 MN s/m, floors: 2, places: 10 m}]"
+    study = STUDY.replace("{link: pounding, gap: 5 mm}", f"{{gap: 5 mm, links: {links}}}").split("sweep:")[0]
+    path.write_text(f"{study}analyses: [elastic]\nestimate: none\n")
+    found = pound.run(path, path.with_suffix(".h5"), engine="serial")
+    table = next(each for each in list_tables(found) if each.caption.startswith("Contact by place"))
+    rows = table.frame.query("case == 'touching'").set_index(["kind", "street"])
+    assert list(rows.index) == [("pounding", -10.0), ("pounding", 10.0), ("damper", 10.0)]
+    assert np.isnan(rows.loc[("damper", 10.0), "contacts"])
+    assert rows["is_blow"].tolist() == [True, True, False]
+    link = found.link().query("case == 'touching' and kind == 'damper'")
+    assert rows.loc[("damper", 10.0), "peak_force"] == link["peak_force"].max()
+    assert rows["kind_below"].tolist() == ["pounding", "pounding", "damper"]
+
+
 def test_a_run_names_the_line(results):
     """The number of a sentence is the mean ratio of the line that it names."""
     sentences = list_sentences(results)

@@ -268,7 +268,7 @@ def _build_place_table(shown: Evidence) -> Table:
     closing_column = column_of("max_closing", shown.results.units)
     columns = [
         *(column_of(name) for name in ("case", "analysis")),
-        Column("pair", "buildings", label="between"),
+        Column("pair", "buildings", label="between", below=below("kind_below")),
         Column("street", "place along the street", column_of("street").unit, "along street"),
         Column("contacts", "number of contacts of all floors", label="contacts", write=_format_contacts, is_right=True),
         Column("peak_force", number.text, number.unit, "force", write=write_force, below=below("force_floors")),
@@ -287,20 +287,32 @@ def _build_place_table(shown: Evidence) -> Table:
 
 
 def _list_places(shown: Evidence) -> list[dict[str, Any]]:
-    """Return a row for every place along the street of two neighbours that are linked at several places."""
+    """Return a row for every place along the street of two neighbours that are linked at several places, and for every
+    kind of link there."""
     link = shown.link
     if "street" not in link or link.empty:
         return []
     link = link.assign(street=link["street"].round(6))
     pair_keys = ["case", "analysis", "left", "right"]
     rows = []
-    keys = [*pair_keys, "street"]
+    keys = [*pair_keys, "street", "kind"]
     for place, here in link.groupby(keys, sort=False, dropna=False):  # a base does not turn: NaN
         if np.isfinite(here["peak_force"]).any():
             values = zip(keys, place, strict=True)
             rows.append(dict(values) | _summarize_place(shown, here))
-    pairs = [tuple(row[key] for key in pair_keys) for row in rows]
-    return [row for row, pair in zip(rows, pairs, strict=True) if pairs.count(pair) > 1]
+    streets: dict[tuple[Any, ...], set[str]] = {}
+    kinds: dict[tuple[Any, ...], set[str]] = {}
+    for row in rows:
+        pair = tuple(row[key] for key in pair_keys)
+        streets.setdefault(pair, set()).add(str(row["street"]))
+        kinds.setdefault(pair, set()).add(row["kind"])
+    shown_rows = []
+    for row in rows:
+        pair = tuple(row[key] for key in pair_keys)
+        if len(streets[pair]) > 1:
+            row["kind_below"] = row["kind"] if len(kinds[pair]) > 1 else ""
+            shown_rows.append(row)
+    return shown_rows
 
 
 def _summarize_place(shown: Evidence, links: pd.DataFrame) -> dict[str, Any]:
@@ -308,9 +320,10 @@ def _summarize_place(shown: Evidence, links: pd.DataFrame) -> dict[str, Any]:
     force = links.iloc[int(links["peak_force"].argmax())]
     closing = links.iloc[int(links["max_closing"].argmax())]
     acts = force["peak_force"] > 0
+    contacts = links.groupby("record", sort=False)["impacts"].sum(min_count=1).mean()
     return {
         "pair": f"{force['left']}|{force['right']}",
-        "contacts": links.groupby("record", sort=False)["impacts"].sum(min_count=1).mean(),
+        "contacts": np.nan if shown.results.link_symbol(str(force["kind"])) == "bar" else contacts,
         "peak_force": force["peak_force"],
         "force_floors": _format_floors(force) if acts else "",
         "max_closing": closing["max_closing"],
@@ -320,7 +333,8 @@ def _summarize_place(shown: Evidence, links: pd.DataFrame) -> dict[str, Any]:
 
 
 def _format_contacts(row: Row) -> str:
-    return f"{row['contacts']:.1f}".removesuffix(".0")
+    """Return a number of contacts as it is written; a link that joins its floors at any closing has none."""
+    return f"{row['contacts']:.1f}".removesuffix(".0") if np.isfinite(row["contacts"]) else "–"
 
 
 def _format_floors(link: Any) -> str:
