@@ -374,6 +374,16 @@ def test_a_drift_of_an_edge_that_is_hardly_plausible(results):
     assert "corner, storey 2" in sentence
 
 
+def test_a_ductility_of_a_line_that_is_hardly_plausible(results):
+    """Fails if the demand of the building alone is that of another line."""
+    place = (0, 0, 1, 1, 0, 1)
+    raised = change(change(results, "mu", place, 50.0), "line_mu", (*place, 0), 50.0 * 50.0)
+    alone = raised.values("line_mu0")[(*place, 0)]
+    assert alone != pytest.approx(raised.values("mu0")[place], rel=1e-3)
+    (sentence,) = [each for each in implausible_results(raised) if "a ductility" in each]
+    assert f"(corner, storey 2, line 1, taft, touching, inelastic, impact.restitution = 0.5; {alone:.3g} al" in sentence
+
+
 def test_motions_without_numbers_are_left_out_of_tables_of_lines(results):
     table = list_tables(change(results, "drift", (0, 0, 1, 0, 0), np.nan))[2]
     assert "mean of those of 2 motions that have numbers" in table.caption

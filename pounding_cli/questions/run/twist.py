@@ -16,13 +16,10 @@ from pounding_cli.model.scene import Analysis
 from pounding_cli.report.evidence import Evidence
 from pounding_cli.results.columns import column_of
 from pounding_cli.tables import Column, FormatRow, Row, Table
-from pounding_cli.variables import SCENE_DIMS
+from pounding_cli.variables import MIN_TWIST, SCENE_DIMS
 
 if TYPE_CHECKING:
     from pounding_cli.results.results import ResultTables
-
-MIN_TWIST = 1e-9
-"""Rotation of a floor up to which it is rounding [rad]."""
 
 CONTACT_MARK = "*"
 """Stands behind an acceleration or a force that the contact stiffness governs."""
