@@ -268,6 +268,7 @@ def test_an_expression_is_the_number_of_the_tables(results, text, query, column)
         (parse_expression, "twist in line 1 of corner", "frame lines have no twist", "V, V0, V_ratio, mu"),
         (parse_expression, "mu in line 0 of corner", "there is no line 0", "`line 1`"),
         (parse_statement, "twist in corner > 0.01", "the value has no unit", "> 0.01 rad`"),
+        (parse_statement, "mu < 8 in line 1 of corner", "stands behind the value", "`mu in line 1 of corner < 8`"),
         (parse_statement, "edge_drift > 2 %", "is no value: expected m", "`edge_drift_ratio > 2 %`"),
         (parse_statement, "drift in line 1 of corner > 2 %", "expected m", "`drift_ratio in line 1 of corner > 2 %`"),
     ],
@@ -277,6 +278,13 @@ def test_an_expression_that_is_refused(parse, text, message, hint):
         parse(text, BUILDINGS)
     assert message in refused.value.args[0]
     assert hint in refused.value.args[1]
+
+
+def test_a_limit_with_its_value_behind_the_place():
+    with pytest.raises(PydanticCustomError) as refused:
+        parse_limit("mu in line 1 of corner > 3")
+    assert "its value stands behind the place" in refused.value.context["message"]
+    assert refused.value.context["hint"] == "write `mu > 3 in line 1 of corner`"
 
 
 @pytest.mark.parametrize(
@@ -363,6 +371,16 @@ def change(results: ResultTables, name: str, place: tuple, factor: float) -> Res
     values[place] *= factor
     data = {**results.arrays.data, name: replace(array, data=values)}
     return ResultTables(results.path, ResultArrays(data, results.arrays.coordinates, results.arrays.attrs))
+
+
+def test_a_twist_that_is_rounding(results):
+    """Fails if a table has such a rotation as a number."""
+    tiny = results
+    for number in range(2):
+        for motion in range(2):
+            tiny = change(tiny, "twist", (0, 1, 0, motion, 0, number), 1e-14)
+    edges = list_tables(tiny)[3].frame
+    assert edges.query("case == 'apart' and analysis == 'elastic'")["twist"].tolist() == [0.0]
 
 
 def test_a_drift_of_an_edge_that_is_hardly_plausible(results):

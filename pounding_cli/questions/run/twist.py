@@ -218,9 +218,10 @@ def _build_edge_table(shown: Evidence, twisting: list[str]) -> Table:
         for name in ("edge_drift_low", "drift", "edge_drift_high", "twist"):
             scale = 1.0 if name == "twist" else height
             for state in ("", "0"):
-                row[f"{name}{state}"] = np.nanmax(
-                    shown.values(f"{name}{state}", **place)[is_known].mean(axis=0) / scale
-                )
+                values = shown.values(f"{name}{state}", **place)[is_known].mean(axis=0) / scale
+                if name == "twist":
+                    values = np.where(values <= MIN_TWIST, 0.0, values)
+                row[f"{name}{state}"] = np.nanmax(values)
         rows.append(row)
     drift = column_of("edge_drift_ratio").unit
     twist = column_of("twist").unit
