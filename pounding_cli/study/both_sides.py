@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -10,10 +9,8 @@ from pydantic_core import PydanticCustomError
 
 from pounding_cli.study.axes import sweep_maps
 from pounding_cli.study.file import Items, Map, Mark, Problems, get, with_value
-from pounding_cli.study.plan_spec import ACCIDENTAL
+from pounding_cli.study.plan_spec import ACCIDENTAL, BOTH_SIDES
 from pounding_cli.study.quantity import format_location
-
-_BOTH_SIDES = re.compile(r"\s*(?:\+\s*/?\s*-|±)\s*([0-9.].*?)\s*\Z")
 
 
 def with_both_sides(root: Map, problems: Problems) -> Map:
@@ -41,7 +38,7 @@ def _iter_both_sides(root: Map) -> Iterator[tuple[str, str, Mark]]:
     for name in buildings if isinstance(buildings, Map) else ():
         plan = get(buildings, name, "plan")
         value = get(plan, "accidental")
-        match = _BOTH_SIDES.match(value) if isinstance(value, str) else None
+        match = BOTH_SIDES.match(value) if isinstance(value, str) else None
         if match is None:
             continue
         try:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
@@ -19,7 +20,25 @@ _SIZE = LENGTH.replace(high=500.0, usual=PLAUSIBLE_RANGES["size of a plan"])
 PLAN_WIDTH = _SIZE.replace(name="width", example="20 m")
 PLAN_DEPTH = _SIZE.replace(name="depth", example="14 m")
 RATIO_OF_WIDTH = Quantity("part of the width", "", "10 %", -0.5, 0.5, open_low=True, open_high=True)
-ACCIDENTAL = RATIO_OF_WIDTH.replace(example="5 %")
+BOTH_SIDES = re.compile(r"\s*(?:\+\s*/?\s*-|±)\s*([0-9.].*?)\s*\Z")
+"""An accidental eccentricity to both sides, `+-5 %`, with its size."""
+
+
+@dataclass(frozen=True)
+class _Accidental(Quantity):
+    """An accidental eccentricity to one side."""
+
+    def read(self, value: Any) -> Any:
+        """Return the part of the width [-].  Raises PydanticCustomError: also of both sides, which stand for an axis of
+        the sweep where `accidental` is a key of a building."""
+        match = BOTH_SIDES.match(value) if isinstance(value, str) else None
+        if match is None:
+            return super().read(value)
+        super().read(match[1])  # refuses what is no size
+        raise refuse(f"{quote(value)} stands for three values", "write one of them, e.g. `5 %`")
+
+
+ACCIDENTAL = _Accidental("part of the width", "", "5 %", -0.5, 0.5, open_low=True, open_high=True)
 
 
 REST = "rest"
