@@ -11,6 +11,9 @@ from typing import Any
 NOTHING = "–"
 """Stands where there is no number."""
 
+ROUNDING = 1e-9
+"""Relative difference up to which the ends of a range are one number [-]."""
+
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -26,6 +29,18 @@ def format_number(value: float, digits: int = 4) -> str:
         decimals = max(digits - 1 - exponent, 0)
         return f"{value:.{decimals}f}".replace("-", "−")
     return f"{mantissa}×10{str(exponent).translate(_SUPERSCRIPTS)}".replace("-", "−")
+
+
+def format_range(least: float, most: float, form: str) -> str:
+    """Return the ends of a range as they are written, "60 to 63", or one of them where they are equal.
+
+    form : of a number, such as ".3g". Ends that differ by rounding are equal, though a half may round apart.
+    """
+    if most - least <= ROUNDING * abs(most):
+        most = least
+    low = format(least, form)
+    high = format(most, form)
+    return low if low == high else f"{low} to {high}"
 
 
 def pluralize(number: int, one: str, many: str = "") -> str:

@@ -18,6 +18,9 @@ FLOOR_DIMS = (*BUILDING_DIMS, "floor")
 LINE_DIMS = (*STOREY_DIMS, "line")
 LINK_DIMS = (*SCENE_DIMS, "link")
 
+MIN_TWIST = 1e-9
+"""Rotation of a floor up to which it is rounding [rad]."""
+
 ITSELF, NO_DIFFERENCE = "itself", "exact"
 """See `Variable.difference_scale`."""
 

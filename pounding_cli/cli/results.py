@@ -418,6 +418,9 @@ def _iter_changes(comparison: Comparison, everything: bool) -> Iterator[str]:
     if comparison.unestimated:
         rows = pluralize(comparison.unestimated, "row carries", "rows carry")
         yield f"  {rows} no error estimate: the accuracy asked or rounding is used instead."
+    if comparison.other_lines:
+        names = join_limited(comparison.other_lines)
+        yield f"  Frame lines of {names} are compared by number, but stand at other places of the plan."
     yield from _iter_number_changes(changes, everything)
 
 
@@ -451,13 +454,28 @@ def _iter_study_changes(comparison: Comparison, everything: bool) -> Iterator[st
 
 
 def _iter_number_changes(changes: pd.DataFrame, everything: bool) -> Iterator[str]:
-    """Yield the numbers that changed, column by column; of each the largest change unless all are listed."""
+    """Yield the numbers that changed, column by column; of each the largest change unless all are listed. Behind them
+    stand the numbers that only one of the files has."""
     from pounding_cli.results.columns import column_of
 
-    for (table, column), rows in changes.groupby(["table", "column"], sort=False):
+    is_in_one = changes["before"].isna() | changes["after"].isna()
+    for (table, column), rows in changes[~is_in_one].groupby(["table", "column"], sort=False):
         unit = column_of(str(column), table=str(table)).unit
+        name = f"{table} {_name_in_table(str(table), str(column))}"
         count = f"{len(rows)} {'differs' if len(rows) == 1 else 'differ'}, most:"
-        yield f"  {table} {column}:" if everything else f"  {table} {column}: {count}"
+        yield f"  {name}:" if everything else f"  {name}: {count}"
         for row in (rows if everything else rows.head(1)).itertuples():
             change = f"{unit.text(row.before)} -> {unit.text(row.after)}"
             yield f"    {row.place}: {change}, by {row.difference:.1e}; carried {row.carried:.1e}"
+    for side, other in (("first", "after"), ("second", "before")):
+        alone = changes[is_in_one & changes[other].isna()]
+        for (table, column), rows in alone.groupby(["table", "column"], sort=False):
+            name = f"{table} {_name_in_table(str(table), str(column))}"
+            places = "".join(f"\n    {place}" for place in rows["place"]) if everything else f" {rows['place'].iloc[0]}"
+            such_as = ":" if everything or len(rows) == 1 else ", such as"
+            yield f"  {name}: {len(rows)} only in the {side} file{such_as}{places}"
+
+
+def _name_in_table(table: str, column: str) -> str:
+    """Return the name of a variable as a column of its table: `V` of `line_V` in the table of frame lines."""
+    return column.removeprefix("line_") if table == "line" else column

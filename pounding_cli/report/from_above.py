@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -32,11 +33,20 @@ if TYPE_CHECKING:
 MOST_PANELS = 4
 """Groups of cases that are drawn, each with its own places of links; the others are named."""
 
+MOST_PLANS = 6
+"""Plans that stand side by side; a longer row goes on below, from the plan that ends it on."""
+
 LEAST_GAP = 0.14
 """Least width at which a gap is drawn, over the mean width of the plans [-]: its links have room there."""
 
 PANEL = (8.4, 3.6)
 """Largest width and height of the plans in a panel [in]."""
+
+TEXT_WIDTH = 0.9
+"""Room to the right of its marks that the text of an eccentricity takes [in]."""
+
+LABEL_HEIGHT = 0.15
+"""Height of the label of a frame line [in]: where two would cover each other, one is left out."""
 
 SMALL_ECCENTRICITY = 0.004
 """Eccentricity over the width of a plan up to which its centres are drawn as one [-]."""
@@ -71,6 +81,24 @@ class PlacedPlan:
         return 0.5 * (self.left + self.right)
 
 
+@dataclass(frozen=True)
+class Panel:
+    """Plans that stand side by side in the picture, with the links of some cases between them.
+
+    cases : whose links stand alike
+    marks : their links; neighbours are counted within the panel
+    """
+
+    cases: list[str]
+    marks: list[LinkMark]
+    plans: list[PlacedPlan]
+
+    @property
+    def width(self) -> float:
+        """How far it reaches along the row [m]."""
+        return self.plans[-1].right - self.plans[0].left
+
+
 def list_plan_sections(evidence: Evidence) -> list[Section]:
     """Return the section of a page with the group from above; none where no building has a plan."""
     if not has_plans(evidence):
@@ -78,16 +106,34 @@ def list_plan_sections(evidence: Evidence) -> list[Section]:
     outlines = read_outlines(evidence)
     groups = group_cases(evidence, outlines)
     text = f"The group from above. {describe_outlines(outlines)} "
-    for cases, marks in _choose_panels(groups):
+    for cases, marks in _choose_groups(groups, len(outlines)):
         text += f"{', '.join(cases)}: {describe_marks(outlines, marks)} "
     picture = Picture("from-above", "The group from above, to scale", text.strip(), partial(draw_from_above, evidence))
     return [Section("From above", pictures=[picture])]
 
 
-def _choose_panels(groups: Sequence[CaseGroup]) -> list[CaseGroup]:
-    """Return the groups of cases that are drawn: those with links, where there are some."""
+def _choose_groups(groups: Sequence[CaseGroup], buildings: int) -> list[CaseGroup]:
+    """Return the groups of cases that are drawn: those with links, where there are some; fewer of a long row."""
     linked = [(cases, marks) for cases, marks in groups if marks]
-    return (linked or list(groups))[:MOST_PANELS]
+    return (linked or list(groups))[: max(1, MOST_PANELS // len(_split_row(buildings)))]
+
+
+def _split_row(buildings: int) -> list[slice]:
+    """Return the buildings that stand side by side: all, or parts of a long row of which two share their end."""
+    parts = max(1, math.ceil((buildings - 1) / (MOST_PLANS - 1)))
+    step = max(1, math.ceil((buildings - 1) / parts))
+    return [slice(first, first + step + 1) for first in range(0, max(1, buildings - 1), step)]
+
+
+def _list_panels(outlines: Sequence[PlanOutline], groups: Sequence[CaseGroup]) -> list[Panel]:
+    """Return the panels of some groups of cases, those of a long row in parts."""
+    panels = []
+    for cases, marks in groups:
+        for part in _split_row(len(outlines)):
+            inside = range(part.start, min(part.stop, len(outlines)) - 1)
+            own = [replace(mark, left=mark.left - part.start) for mark in marks if mark.left in inside]
+            panels.append(Panel(cases, own, _place_plans(outlines[part], own)))
+    return panels
 
 
 @with_style
@@ -95,24 +141,26 @@ def draw_from_above(evidence: Evidence) -> Figure:
     """Return the plans of a group from above, a panel for all cases whose links stand alike."""
     outlines = read_outlines(evidence)
     groups = group_cases(evidence, outlines)
-    shown = _choose_panels(groups)
-    spread = [_place_plans(outlines, marks) for _, marks in shown]
-    across = max(placed[-1].right - placed[0].left for placed in spread)
+    panels = _list_panels(outlines, _choose_groups(groups, len(outlines)))
+    across = max(panel.width for panel in panels)
     low = min(outline.low for outline in outlines)
     high = max(outline.high for outline in outlines)
     inches = min(PANEL[0] / across, PANEL[1] / (high - low))  # a metre
     width = max(inches * across + 1.0, 6.6)  # the legend has room
-    handles, labels = zip(*_list_handles(outlines, [mark for _, marks in shown for mark in marks]), strict=True)
+    handles, labels = zip(*_list_handles(outlines, [mark for panel in panels for mark in panel.marks]), strict=True)
     columns = 2 if width < 8.0 else 3
     legend = 0.2 * -(-len(handles) // columns) + 0.1
-    panel = inches * (high - low) + 1.45
-    figure = new_figure(width, len(shown) * panel + legend + (0.2 if is_for_page() else 1.0))
-    *axes, below = figure.subplots(len(shown) + 1, 1, height_ratios=[*[panel] * len(shown), legend])
-    for ax, (cases, marks), placed in zip(axes, shown, spread, strict=True):
-        _draw_panel(ax, placed, marks, evidence, 1.0 / inches)
-        title = join_limited(cases, int(11 * width)) if len(evidence.cases) > 1 else " "
-        lines = max(len(_head_lines(_marks_between(marks, left), evidence)) for left in range(len(placed)))
-        ax.set_title(title, loc="left", pad=5 + 9.5 * lines)
+    height = inches * (high - low) + 1.45
+    figure = new_figure(width, len(panels) * height + legend + (0.2 if is_for_page() else 1.0))
+    *axes, below = figure.subplots(len(panels) + 1, 1, height_ratios=[*[height] * len(panels), legend])
+    for ax, panel in zip(axes, panels, strict=True):
+        _draw_panel(ax, panel, evidence, 1.0 / inches)
+        ax.set(xlim=(-0.06 / inches, across + 0.06 / inches), ylim=(low - 0.06 / inches, high + 0.06 / inches))
+        for plan in panel.plans:
+            _name_plan(ax, plan, low, evidence)
+        title = join_limited(panel.cases, int(11 * width)) if len(evidence.cases) > 1 else " "
+        heads = [_head_lines(_marks_between(panel.marks, left), evidence) for left in range(len(panel.plans))]
+        ax.set_title(title, loc="left", pad=5 + 9.5 * max(map(len, heads)))
     axes[-1].set_xlabel("along the row, the way of the ground motion  →", labelpad=30)
     below.axis("off")
     below.legend(
@@ -134,24 +182,19 @@ def _place_plans(outlines: Sequence[PlanOutline], marks: Sequence[LinkMark]) -> 
     return placed
 
 
-def _draw_panel(
-    ax: Axes, placed: Sequence[PlacedPlan], marks: Sequence[LinkMark], evidence: Evidence, inch: float
-) -> None:
+def _draw_panel(ax: Axes, panel: Panel, evidence: Evidence, inch: float) -> None:
     """Draw the plans with the links of some cases.
 
     inch : metres that an inch on paper stands for
     """
     from matplotlib.ticker import MaxNLocator
 
-    low = min(each.outline.low for each in placed)
-    high = max(each.outline.high for each in placed)
+    placed = panel.plans
     for each in placed:
         _draw_plan(ax, each, inch)
-        _name_plan(ax, each, low, evidence)
     for left in range(len(placed) - 1):
-        _draw_links(ax, placed[left], placed[left + 1], _marks_between(marks, left), evidence)
+        _draw_links(ax, placed[left], placed[left + 1], _marks_between(panel.marks, left), evidence)
     ax.set_aspect("equal")
-    ax.set(xlim=(-0.06 * inch, placed[-1].right + 0.06 * inch), ylim=(low - 0.06 * inch, high + 0.06 * inch))
     ax.grid(False)
     ax.spines["bottom"].set_visible(False)
     ax.set_xticks([])
@@ -182,11 +225,16 @@ def _draw_plan(ax: Axes, placed: PlacedPlan, inch: float) -> None:
             solid_capstyle="butt",
             zorder=2,
         )
-    for line in outline.lines:
+    labelled = -math.inf
+    for line in sorted(outline.lines, key=lambda line: line.place):
         ends = [placed.left, placed.right]
         ax.plot(ends, [line.place] * 2, color=_LINE, lw=_thickness(line.share), solid_capstyle="butt", zorder=2.2)
         is_above = line.place + 0.2 * inch <= outline.high
         away = 2.5 + 0.5 * _thickness(line.share)
+        label = line.place + (away / 72 if is_above else -away / 72 - LABEL_HEIGHT) * inch
+        if label < labelled + LABEL_HEIGHT * inch:
+            continue  # the labels of lines so close would cover each other
+        labelled = label
         ax.annotate(
             f"{line.name}: {format_shares(line)}", (placed.left, line.place), xytext=(4, away if is_above else -away),
             textcoords="offset points", va="bottom" if is_above else "top", fontsize=7.5, color=_LINE, zorder=5,
@@ -216,9 +264,15 @@ def _draw_centres(ax: Axes, placed: PlacedPlan, inch: float) -> None:
     if distance <= SMALL_ECCENTRICITY * outline.width:
         return
     text = f"{distance:.2g} m, {100 * distance / outline.width:.2g} %"
-    ax.annotate(
-        text, (x, 0.5 * (mean + outline.centre)), xytext=(9, 0), textcoords="offset points", va="center", fontsize=7.5
-    )
+    words: dict[str, Any] = {"textcoords": "offset points", "fontsize": 7.5, "zorder": 6}
+    if placed.right - x < TEXT_WIDTH * inch:  # beside the marks it would reach beyond the plan
+        spot = (placed.right, max(mean, outline.centre))
+        words |= {"xytext": (-4, 6), "ha": "right", "va": "bottom"}
+        words["bbox"] = {"facecolor": _FLOOR, "edgecolor": "none", "pad": 0.6}
+    else:
+        spot = (x, 0.5 * (mean + outline.centre))
+        words |= {"xytext": (9, 0), "va": "center"}
+    ax.annotate(text, spot, **words)
     if distance > 0.2 * inch:  # the arrow shows between the marks
         arrow = {"arrowstyle": "<->", "lw": 0.8, "shrinkA": 5, "shrinkB": 5}
         ax.annotate("", (x, mean), xytext=(x, outline.centre), arrowprops=arrow)
@@ -360,13 +414,15 @@ def _build_caption(evidence: Evidence, outlines: Sequence[PlanOutline], groups: 
     if plain:
         names = ", ".join(plain)
         sentences.append(f"No plan of {names}: drawn dashed, as wide as its neighbour and as deep as the others.")
-    shown = _choose_panels(groups)
+    shown = _choose_groups(groups, len(outlines))
     if any(mark.is_whole for _, marks in shown for mark in marks):
         sentences.append("Open marks: these floors do not twist, so their links stand for the whole edge.")
     for cases, marks in groups:
         if (cases, marks) not in shown:
             has_links = "further places of links, not drawn" if marks else "no links"
             sentences.append(f"{join_limited(cases, 200)}: {has_links}.")
+    if len(_split_row(len(outlines))) > 1:
+        sentences.append("The row goes on below, from the plan that ends it on.")
     if evidence.label:
         sentences.append(f"Point of the sweep: {evidence.label}.")
     return " ".join(sentences)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pounding_cli.numbers import join_limited
+from pounding_cli.numbers import format_range, join_limited
 from pounding_cli.report.evidence import Evidence
 
 if TYPE_CHECKING:
@@ -314,5 +314,5 @@ def describe_marks(outlines: Sequence[PlanOutline], marks: Iterable[LinkMark]) -
 
 def format_shares(line: PlanLine) -> str:
     """Return the part of the stiffness that a line has: "63 %", "60 to 63 %" where storeys differ."""
-    least, most = (f"{100 * share:.0f}" for share in line.shares)
-    return f"{least} %" if least == most else f"{least} to {most} %"
+    least, most = line.shares
+    return f"{format_range(100 * least, 100 * most, '.0f')} %"

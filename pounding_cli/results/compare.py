@@ -28,6 +28,9 @@ ROUNDING = 1e-12
 SOFTWARE = ("pounding_cli", "solver", "python", "numpy", "scipy", "numba", "h5py", "platform", "machine")
 """Software and machine whose versions are compared."""
 
+_NUMBERED = ("storey", "floor", "line")
+"""Dimensions whose labels are numbers."""
+
 CHANGE = ["table", "column", "place", "before", "after", "difference", "carried"]
 """Columns of the numbers that changed."""
 
@@ -45,8 +48,9 @@ class Comparison:
     outcomes : row, status before, status after
     changes : numbers that differ beyond the error carried, worst first: table, column, place, before, after,
         difference and carried (relative [-])
-    compared : count of the numbers that were compared
+    compared : count of the numbers that were compared, those that only one of the files has among them
     unestimated : count of the rows with no error estimate in one of the files
+    other_lines : buildings whose frame lines of one number do not stand at one place of the plan in both files
     """
 
     lines: list[str]
@@ -58,6 +62,7 @@ class Comparison:
     changes: pd.DataFrame
     compared: int
     unestimated: int
+    other_lines: list[str]
 
     @property
     def has_same_numbers(self) -> bool:
@@ -97,6 +102,7 @@ def compare(first: ResultTables, second: ResultTables) -> Comparison:
         changes=changes,
         compared=compared,
         unestimated=int(np.isnan(errors).any(axis=0).sum()),
+        other_lines=_find_other_lines(first, second),
     )
 
 
@@ -104,6 +110,33 @@ def _compare_software(before: Mapping[str, Any], after: Mapping[str, Any]) -> li
     """Return name, version before and after of the software that differs."""
     versions = [(name, *(str(attrs.get(f"software_{name}", "-")) for attrs in (before, after))) for name in SOFTWARE]
     return [(name, old, new) for name, old, new in versions if old != new]
+
+
+def _find_other_lines(before: ResultTables, after: ResultTables) -> list[str]:
+    """Return the buildings whose frame lines of one number stand at different places of their plans in two files."""
+    places = [_list_line_places(results) for results in (before, after)]
+    return [name for name in places[0] if name in places[1] and not _agree(places[0][name], places[1][name])]
+
+
+def _agree(one: np.ndarray, other: np.ndarray) -> bool:
+    """Return whether the lines of one number stand at one place, as far as both files have them."""
+    count = min(len(one), len(other))
+    return bool(np.allclose(one[:count], other[:count], rtol=0.0, atol=1e-6, equal_nan=True))
+
+
+def _list_line_places(results: ResultTables) -> dict[str, np.ndarray]:
+    """Return where the frame lines of every building with a plan stand [m], at the first point of a sweep: across the
+    row from its first line, so that a plan that is shifted has the same, and along it; shape (lines, 2)."""
+    if "line_street" not in results.arrays:
+        return {}
+    found = {}
+    names = ("line_street", "line_x")
+    first = [results.arrays[name].values.reshape(-1, *results.arrays[name].shape[-2:])[0] for name in names]
+    for building, street, x in zip(results.names("building"), *first, strict=True):
+        is_line = np.isfinite(street) | np.isfinite(x)
+        if is_line.any():
+            found[building] = np.column_stack([street[is_line] - street[0], x[is_line]])
+    return found
 
 
 class _Rows:
@@ -264,6 +297,13 @@ def _find_scale(pair: _CommonRows, variable: Variable, before: np.ndarray, after
 
 
 def _format_place(dims: Iterable[Any], place: Iterable[Any]) -> str:
-    """Return a place of the tables in words: "cases.gap.gap = 0.05, gap, elastic, elcentro"."""
-    named = zip(dims, place, strict=True)
-    return ", ".join(str(value) if dim in COORDINATE_VARIABLES else f"{dim} = {value}" for dim, value in named)
+    """Return a place of the tables in words: "cases.gap.gap = 0.05, gap, elastic, elcentro, stiff, storey 3"."""
+    words = []
+    for dim, value in zip(dims, place, strict=True):
+        if dim in _NUMBERED:
+            words.append(f"{dim} {value}")
+        elif dim in COORDINATE_VARIABLES:
+            words.append(str(value))
+        else:
+            words.append(f"{dim} = {value}")
+    return ", ".join(words)

@@ -11,7 +11,7 @@ import numpy as np
 from pounding_cli.model.scene import Analysis
 from pounding_cli.numbers import Unit, count_histories
 from pounding_cli.units import GRAVITY
-from pounding_cli.variables import ALONE_VARIABLES
+from pounding_cli.variables import ALONE_VARIABLES, MIN_TWIST
 
 if TYPE_CHECKING:
     from pounding_cli.results.results import ResultTables
@@ -25,12 +25,15 @@ MAX_DRIFT_RATIO = 0.05
 MAX_ACCELERATION = 5.0 * GRAVITY
 """Total floor acceleration beyond which it is that of a blow [m/s2]."""
 
+_COLLAPSE = "collapse"
+"""Effect of scenes in which a storey that drifts too far ends the run."""
+
 _ACCELERATION = Unit("g", GRAVITY, "m/s2")
 _PERCENT = Unit("%", 0.01)
 _LENGTH = Unit("cm", 0.01, "m")
 
-_PLACES = {"building": "{}", "storey": "storey {}", "floor": "floor {}", "link": "{}", "record": "{}", "case": "{}",
-           "analysis": "{}"}  # fmt: skip
+_PLACES = {"building": "{}", "storey": "storey {}", "line": "line {}", "floor": "floor {}", "link": "{}",
+           "record": "{}", "case": "{}", "analysis": "{}"}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -81,11 +84,13 @@ def _describe_drift(results: ResultTables, hidden: Sequence[str]) -> Iterator[st
     building = _building_of_study(results, results.names("building")[place.index["building"]])
     cause = "check unit and scale of the motions, masses and stiffnesses"
     is_inelastic = results.names("analysis")[place.index["analysis"]] == Analysis.INELASTIC
-    if is_inelastic and not (building.get("p_delta") and building.get("collapse")):
-        cause = "what then decides is left out: write `p_delta: true` and `collapse:`; or " + cause
+    missing = [] if building.get("p_delta") else ["`p_delta: true`"]
+    if building.get("collapse") is None and not _simulates(results, _COLLAPSE, place.index):
+        missing.append("`collapse:`")
+    if is_inelastic and missing:
+        cause = f"what then decides is left out: write {' and '.join(missing)}; or {cause}"
     limit = _PERCENT.text(MAX_DRIFT_RATIO)
-    twists = "twist" in results.arrays and _value_at_floor(results, place.index) > 0
-    drift = f"an interstorey drift{' at an edge of the plan' if twists else ''}"
+    drift = f"an interstorey drift{' at an edge of the plan' if _does_twist(results, place.index) else ''}"
     yield f"Hardly plausible: {drift} of {place.text}. Most storeys lose their strength below {limit}: {cause}."
 
 
@@ -175,6 +180,10 @@ def _find_largest(
     if not is_above.any():
         return None
     index = _index_of_largest(values, results.arrays[name].dims)
+    line = _find_line(results, index) if name == "mu" else None
+    if line is not None:
+        name = "line_mu"
+        index["line"] = line
     words = [_format_place(results, index, hidden)]
     alone = _value_of_alone(results, name, index)
     if np.isfinite(alone):
@@ -193,14 +202,34 @@ def _value_of_alone(results: ResultTables, name: str, index: Mapping[str, int]) 
     return _value_at(results, f"{length}0", index) * _value_at(results, name, index) / drift
 
 
-def _value_at_floor(results: ResultTables, index: Mapping[str, int]) -> float:
-    """Return the largest twist of the floor above a storey [rad]; NaN of a building without a plan."""
-    return _value_at(results, "twist", {**index, "floor": index["storey"]})
+def _does_twist(results: ResultTables, index: Mapping[str, int]) -> bool:
+    """Return whether the floor above a storey turns."""
+    if "twist" not in results.arrays:
+        return False
+    return _value_at(results, "twist", {**index, "floor": index["storey"]}) > MIN_TWIST
+
+
+def _find_line(results: ResultTables, index: Mapping[str, int]) -> int | None:
+    """Return the frame line along the row with the largest ductility demand of a storey; None of one whose floors do
+    not twist."""
+    if not _does_twist(results, index):
+        return None
+    along = results.arrays["line_street"]
+    is_along = np.isfinite(along.values[tuple(index[dim] for dim in along.dims[:-1])])
+    demands = results.arrays["line_mu"]
+    of_lines = np.where(is_along, demands.values[tuple(index[dim] for dim in demands.dims[:-1])], np.nan)
+    return int(np.nanargmax(of_lines)) if np.isfinite(of_lines).any() else None
 
 
 def _value_at(results: ResultTables, name: str, index: Mapping[str, int]) -> float:
     array = results.arrays[name]
     return float(array.values[tuple(index[dim] for dim in array.dims)])
+
+
+def _simulates(results: ResultTables, effect: str, index: Mapping[str, int]) -> bool:
+    """Return whether an effect is simulated in the scene at a place."""
+    array = results.arrays["effects"]
+    return effect in str(array.values[tuple(index[dim] for dim in array.dims)]).splitlines()
 
 
 def _index_of_largest(values: np.ndarray, dims: Sequence[str]) -> dict[str, int]:

@@ -280,6 +280,8 @@ def statement_hint(buildings: Sequence[str]) -> str:
 
 
 _STATEMENT = re.compile(r"(?P<expression>[^<>=]+)(?P<sign>[<>])(?P<value>[^<>=]*)\Z")
+_BEHIND = re.compile(r"(?P<value>.*\S)\s+in\s+(?P<place>\S.*)")
+"""A value with a place behind it, as limits have it."""
 _VALUES = {"": "4", "m": "2 cm", "m/s2": "1 g", "N": "500 kN", "s": "0.1 s", "N s": "20 kN s", "rad": "0.01 rad"}
 
 
@@ -319,6 +321,10 @@ def parse_statement(text: str, buildings: Sequence[str]) -> Statement:
         raise ExpressionError(f"'{text}' is not compared with a value by < or >", statement_hint(buildings))
     expression = parse_expression(match["expression"], buildings)
     written = match["value"].strip()
+    behind = _BEHIND.fullmatch(written)
+    if behind is not None:
+        ordered = f"{match['expression'].strip()} in {behind['place']} {match['sign']} {behind['value']}"
+        raise ExpressionError(f"'{text}': the place stands behind the value", f"write `{ordered}`")
     unit = expression.unit
     example = f"{expression} {match['sign']} {_VALUES[unit]}"
     if unit == "m" and written.endswith("%"):
@@ -442,7 +448,12 @@ def parse_limit(value: Any) -> Limit:
     has_value = quantity in _MEASURES
     if bool(sign) != has_value:
         usage = f"{quantity} takes {'`>` and a value' if has_value else 'no value'}"
-        raise refuse(f"'{text[:60]}' is not a limit: {usage}", LIMIT_FORM)
+        hint = LIMIT_FORM
+        if has_value and ">" in where:
+            usage = "its value stands behind the place"
+            named, _, level_written = (part.strip() for part in where.partition(">"))
+            hint = f"write `{quantity} > {level_written} in {named}`"
+        raise refuse(f"'{text[:60]}' is not a limit: {usage}", hint)
     place = _PLACE.match(where)
     assert place is not None  # it matches everything
     building = place["building"].strip()

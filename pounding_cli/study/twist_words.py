@@ -11,7 +11,7 @@ from pounding_cli.model.effects import NOTHING_ECCENTRIC
 from pounding_cli.model.links import Link
 from pounding_cli.model.plan import FloorPlan, FrameLine
 from pounding_cli.model.twist import describe_eccentricity, find_twist_reasons
-from pounding_cli.numbers import join_limited
+from pounding_cli.numbers import format_range, join_limited
 
 MAX_SHOWN_PERIODS = 3
 """Number of natural periods that are told of a plan."""
@@ -52,8 +52,8 @@ def _describe_lines(lines: Sequence[FrameLine], stiffness: np.ndarray, centre: f
     texts = []
     for line in lines:
         shares = 100.0 * line.stiffness / stiffness
-        low, high = (f"{share:.3g}" for share in (shares.min(), shares.max()))
-        texts.append(f"{line.arm + centre:.4g} m ({low if low == high else f'{low} to {high}'} %)")
+        parts = format_range(float(shares.min()), float(shares.max()), ".3g")
+        texts.append(f"{line.arm + centre:.4g} m ({parts} %)")
     return join_limited(texts)
 
 

@@ -171,7 +171,7 @@ def _iter_unswept_keys(
     swept = {key: mark[0] for holder in sweep_maps(root) for key, mark in holder.marks.items()}
     for key, (mark, _) in node.marks.items():
         if key in swept:
-            message = f"'{key}' is also {format_location(swept[key])}, under `sweep:`"
+            message = f"'{key}' is swept too, {format_location(swept[key])}"
             problems.add(mark, message, "vary it in one of the two")
         else:
             yield key, mark

@@ -42,6 +42,12 @@ CLOSE = {"gap: 8 cm": "gap: 1 mm"}
             {DRIFT: "check unit"},
         ),
         (
+            {"yield_shear: [4 MN, 3 MN]": "yield: {base_shear: 0.08 W}, hardening: 1 %, p_delta: true"}
+            | {"0.3 s": "0.9 s", "0.5 s": "1.1 s", "0.1 g": "0.4 g"}
+            | {"[elcentro, taft], duration: 4 s": "[elcentro], duration: 8 s"},
+            {DRIFT: "strength below 5 %: check unit and scale"},
+        ),
+        (
             CLOSE | {"pga: 0.1 g": "pga: 0.3 g", "yield_shear: [4 MN, 3 MN]": "yield_shear: never"},
             {ACCELERATION: "it grows with the root of the contact stiffness"},
         ),

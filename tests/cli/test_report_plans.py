@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import itertools
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ from matplotlib.patches import Rectangle
 import pounding_cli
 from pounding_cli.report.evidence import find_nominal
 from pounding_cli.report.figures import list_profiles
-from pounding_cli.report.from_above import MOST_PANELS, list_plan_sections
+from pounding_cli.report.from_above import MOST_PANELS, MOST_PLANS, list_plan_sections
 from pounding_cli.report.sweep import SweepChoice, list_sweep_pictures
 from pounding_cli.report.widgets import build_explorer_data, build_player_scenes
 
@@ -174,6 +175,42 @@ def test_links_of_floors_that_do_not_twist_stand_for_the_whole_edge(folder):
     (star,) = [line for line in ax.lines if line.get_marker() == "*"]
     assert star.get_markerfacecolor() == "white"
     assert "pounding along the shared edge" in section.pictures[0].text
+
+
+def test_a_long_row_goes_on_below_to_one_scale(folder):
+    """Fails if the plans of a long row are drawn so small that their texts cover each other, or a link is lost."""
+    count = 2 * MOST_PLANS
+    names = [f"b{number}" for number in range(count)]
+    plan = "{width: 12 m, depth: 9 m, eccentricity: 5 %, frequency_ratio: 1.2}"
+    buildings = "".join(f"  {name}: {{storeys: 1, period: 0.2 s, plan: {plan}}}\n" for name in names)
+    Path("long.yaml").write_text(
+        "records: {use: [elcentro], duration: 0.5 s}\nanalyses: [elastic]\nestimate: none\n"
+        f"buildings:\n{buildings}group: [{', '.join(names)}]\ncases: {{near: {{link: pounding, gap: 1 cm}}}}\n"
+    )
+    results = pounding_cli.run("long.yaml", "long.h5", engine="serial")
+    (section,) = list_plan_sections(find_nominal(results))
+    *panels, _ = section.pictures[0].draw().axes
+    plans = [list(rectangles(ax)) for ax in panels]
+    assert [plan[0] for plan in plans[1:]] == [plan[-1] for plan in plans[:-1]]
+    assert [*plans[0], *(name for plan in plans[1:] for name in plan[1:])] == names
+    assert max(map(len, plans)) <= MOST_PLANS
+    assert sum(len(marks(ax, "*")) for ax in panels) == 2 * (count - 1)
+    assert len({ax.get_xlim() for ax in panels}) == 1
+
+
+def test_lines_that_stand_close_have_fewer_labels(folder):
+    """Fails if the labels of lines cover each other."""
+    lines = ", ".join(f"{{y: {-9.5 + number} m, stiffness: 5 %}}" for number in range(20))
+    plan = f"plan: {{width: 20 m, depth: 10 m, lines: [{lines}]}}"
+    Path("many.yaml").write_text(TWO.replace("mass: 200 t}", f"mass: 200 t, {plan}}}"))
+    results = pounding_cli.run("many.yaml", "many.h5", engine="serial")
+    (section,) = list_plan_sections(find_nominal(results))
+    figure = section.pictures[0].draw()
+    figure.canvas.draw()
+    labels = [text for text in figure.axes[0].texts if text.get_text().endswith(": 5 %")]
+    boxes = sorted((text.get_window_extent().y0, text.get_window_extent().y1) for text in labels[: len(labels) // 2])
+    assert len(boxes) > 4
+    assert all(below[1] <= above[0] for below, above in itertools.pairwise(boxes))
 
 
 def test_a_swept_plan_is_drawn_at_the_point_shown(made):

@@ -81,6 +81,13 @@ def test_a_value_that_only_one_file_has_is_a_change(results, change, name):
         assert np.isnan(row["before"]) == (first is lost)
         assert np.isnan(row["after"]) == (second is lost)
         assert found.compared == compare(results, results).compared
+    for first, second, side in ((results, lost, "first"), (lost, results, "second")):
+        found = compare(first, second)
+        table, place = found.changes[["table", "place"]].iloc[0]
+        told = list(_iter_changes(found, everything=False))
+        assert told[-1] == f"  {table} {name}: 1 only in the {side} file: {place}"
+        listed = list(_iter_changes(found, everything=True))
+        assert listed[-1] == f"  {table} {name}: 1 only in the {side} file:\n    {place}"
     both = compare(lost, lost)
     assert both.has_same_numbers
     assert both.compared == compare(results, results).compared - 1
@@ -92,7 +99,7 @@ def test_a_change_is_told_with_its_place_and_direction(results, change):
     shear = float(results.arrays["V"].values[PLACE])
     (row,) = compare(results, other).changes.to_dict("records")
     assert (row["table"], row["column"]) == ("storey", "V")
-    assert row["place"] == f"{IN_WORDS}, stiff, 3"
+    assert row["place"] == f"{IN_WORDS}, stiff, storey 3"
     assert (row["before"], row["after"]) == pytest.approx((shear, 1.5 * shear))
     assert row["difference"] == pytest.approx(1 / 3)
     lines = list(_iter_changes(compare(results, other), everything=False))

@@ -11,6 +11,7 @@ import pytest
 from pydantic_core import PydanticCustomError
 
 import pounding_cli as pound
+from pounding_cli.cli.results import _iter_changes
 from pounding_cli.questions.expressions import evaluate_error, evaluate_expression, find_twist_problem
 from pounding_cli.questions.run.ranking import rank_cases
 from pounding_cli.questions.run.words import list_notes, list_sentences, list_tables
@@ -174,6 +175,23 @@ def test_contact_by_place(results):
     assert row["contacts"] == nominal.groupby("record")["impacts"].sum().mean() > 0
 
 
+def test_links_at_one_place_by_kind(tmp_path):
+    """A damper has a row of its own where floors strike too, and no contacts. Fails if its force counts as a blow."""
+    path = tmp_path / "damped.yaml"
+    links = "[pounding, {link: damper, damping_coefficient: 2 MN s/m, floors: 2, places: 10 m}]"
+    study = STUDY.replace("{link: pounding, gap: 5 mm}", f"{{gap: 5 mm, links: {links}}}").split("sweep:")[0]
+    path.write_text(f"{study}analyses: [elastic]\nestimate: none\n")
+    found = pound.run(path, path.with_suffix(".h5"), engine="serial")
+    table = next(each for each in list_tables(found) if each.caption.startswith("Contact by place"))
+    rows = table.frame.query("case == 'touching'").set_index(["kind", "street"])
+    assert list(rows.index) == [("pounding", -10.0), ("pounding", 10.0), ("damper", 10.0)]
+    assert np.isnan(rows.loc[("damper", 10.0), "contacts"])
+    assert rows["is_blow"].tolist() == [True, True, False]
+    link = found.link().query("case == 'touching' and kind == 'damper'")
+    assert rows.loc[("damper", 10.0), "peak_force"] == link["peak_force"].max()
+    assert rows["kind_below"].tolist() == ["pounding", "pounding", "damper"]
+
+
 def test_a_run_names_the_line(results):
     """The number of a sentence is the mean ratio of the line that it names."""
     sentences = list_sentences(results)
@@ -181,8 +199,8 @@ def test_a_run_names_the_line(results):
     storey, line = np.unravel_index(np.argmax(means), means.shape)
     rise = f"by up to {float(f'{100 * (means.max() - 1):.2g}'):g} % (storey {storey + 1}, mean of 2 motions"
     assert any(f"raises the elastic shears of line {line + 1} of corner {rise}" in each for each in sentences)
-    assert any("leaves those of all its lines as they are alone (no contact)" in each for each in sentences)
-    assert any("shears of the lines of corner rise most at impact.restitution" in each for each in sentences)
+    assert any("leaves those of all its lines along the row as they are alone" in each for each in sentences)
+    assert any("of the lines along the row of corner rise most at impact.restitution" in each for each in sentences)
     assert any("where floors twist" in each for each in list_notes(results))
     worst = rank_cases(find_nominal(results))[0].worst[-1]
     assert worst.value == pytest.approx(means.max())
@@ -275,6 +293,7 @@ def test_an_expression_is_the_number_of_the_tables(results, text, query, column)
         (parse_expression, "twist in line 1 of corner", "frame lines have no twist", "V, V0, V_ratio, mu"),
         (parse_expression, "mu in line 0 of corner", "there is no line 0", "`line 1`"),
         (parse_statement, "twist in corner > 0.01", "the value has no unit", "> 0.01 rad`"),
+        (parse_statement, "mu < 8 in line 1 of corner", "stands behind the value", "`mu in line 1 of corner < 8`"),
         (parse_statement, "edge_drift > 2 %", "is no value: expected m", "`edge_drift_ratio > 2 %`"),
         (parse_statement, "drift in line 1 of corner > 2 %", "expected m", "`drift_ratio in line 1 of corner > 2 %`"),
     ],
@@ -284,6 +303,13 @@ def test_an_expression_that_is_refused(parse, text, message, hint):
         parse(text, BUILDINGS)
     assert message in refused.value.args[0]
     assert hint in refused.value.args[1]
+
+
+def test_a_limit_with_its_value_behind_the_place():
+    with pytest.raises(PydanticCustomError) as refused:
+        parse_limit("mu in line 1 of corner > 3")
+    assert "its value stands behind the place" in refused.value.context["message"]
+    assert refused.value.context["hint"] == "write `mu > 3 in line 1 of corner`"
 
 
 @pytest.mark.parametrize(
@@ -372,6 +398,16 @@ def change(results: ResultTables, name: str, place: tuple, factor: float) -> Res
     return ResultTables(results.path, ResultArrays(data, results.arrays.coordinates, results.arrays.attrs))
 
 
+def test_a_twist_that_is_rounding(results):
+    """Fails if a table has such a rotation as a number."""
+    tiny = results
+    for number in range(2):
+        for motion in range(2):
+            tiny = change(tiny, "twist", (0, 1, 0, motion, 0, number), 1e-14)
+    edges = list_tables(tiny)[3].frame
+    assert edges.query("case == 'apart' and analysis == 'elastic'")["twist"].tolist() == [0.0]
+
+
 def test_a_drift_of_an_edge_that_is_hardly_plausible(results):
     """Fails if the drift at the centre of mass is taken for the largest one."""
     assert not [each for each in implausible_results(results) if "interstorey drift" in each]
@@ -379,6 +415,16 @@ def test_a_drift_of_an_edge_that_is_hardly_plausible(results):
     (sentence,) = [each for each in sentences if "interstorey drift" in each]
     assert sentence.startswith("Hardly plausible: an interstorey drift at an edge of the plan of")
     assert "corner, storey 2" in sentence
+
+
+def test_a_ductility_of_a_line_that_is_hardly_plausible(results):
+    """Fails if the demand of the building alone is that of another line."""
+    place = (0, 0, 1, 1, 0, 1)
+    raised = change(change(results, "mu", place, 50.0), "line_mu", (*place, 0), 50.0 * 50.0)
+    alone = raised.values("line_mu0")[(*place, 0)]
+    assert alone != pytest.approx(raised.values("mu0")[place], rel=1e-3)
+    (sentence,) = [each for each in implausible_results(raised) if "a ductility" in each]
+    assert f"(corner, storey 2, line 1, taft, touching, inelastic, impact.restitution = 0.5; {alone:.3g} al" in sentence
 
 
 def test_motions_without_numbers_are_left_out_of_tables_of_lines(results):
@@ -389,9 +435,20 @@ def test_motions_without_numbers_are_left_out_of_tables_of_lines(results):
     assert row["V"] == line.query("line == 2 and record == 'taft'")["V"].max()
 
 
+def test_lines_at_other_places_are_named(results):
+    """Fails if lines of one number are compared without a word though they stand elsewhere in the plan, or a plan that
+    is shifted counts as another one."""
+    shifted = change(results, "line_street", (0, 0), 0.9)  # from -10 and 4 m to -9 and 5 m
+    shifted = change(shifted, "line_street", (0, 1), 1.25)
+    moved = change(results, "line_street", (0, 1), 1.5)
+    assert compare(results, shifted).other_lines == []
+    assert compare(results, moved).other_lines == ["corner"]
+    assert any("Frame lines of corner are compared" in each for each in _iter_changes(compare(results, moved), False))
+
+
 def test_a_changed_line_is_found(results):
     other = change(results, "line_mu", (1, 0, 1, 1, 0, 1, 1), 1.001)
     assert compare(results, results).has_same_numbers
     (found,) = compare(results, other).changes.to_dict("records")
     assert (found["table"], found["column"]) == ("line", "line_mu")
-    assert found["place"].endswith("touching, inelastic, taft, corner, 2, 2")
+    assert found["place"].endswith("touching, inelastic, taft, corner, storey 2, line 2")

@@ -12,6 +12,7 @@ import pounding_cli as pound
 from pounding_cli.cli.main import cli
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.twist import find_twisting
+from pounding_cli.numbers import format_range
 from pounding_cli.study.data import building_of
 from tests.adapter import scenes
 
@@ -83,6 +84,26 @@ def test_both_sides_of_an_accidental_eccentricity_are_an_unknown_value_of_the_sw
     assert places == pytest.approx([-0.7, 0.0, 0.7])
     path.write_text(written + "sweep: {buildings.plain.plan.accidental: [1 %, 2 %]}\n")
     with pytest.raises(pound.InputError, match="is an axis of the sweep, which also has"):
+        pound.load_study(path)
+
+
+def test_shares_that_differ_by_rounding_are_one():
+    """Fails if the same share of two storeys is told as "68.6 to 68.7" where it stands at a half."""
+    share = 68.65
+    assert format_range(share - 1e-13, share + 1e-13, ".3g") in ("68.6", "68.7")
+    assert format_range(60.0, 63.0, ".3g") == "60 to 63"
+
+
+@pytest.mark.parametrize(
+    ("size", "message"),
+    [("+-50 %", "the part of the width is 0.5; it must be"), ("+-5", "the part of the width is 5; it must be"),
+     ("+-0 %", "stands for three values")],
+)  # fmt: skip
+def test_a_size_to_both_sides_that_is_none(tmp_path, size, message):
+    """Fails if it is told as no number."""
+    path = tmp_path / "study.yaml"
+    path.write_text(STUDY.replace("width: 14 m,", f"width: 14 m, accidental: {size},"))
+    with pytest.raises(pound.InputError, match=message):
         pound.load_study(path)
 
 

@@ -16,13 +16,10 @@ from pounding_cli.model.scene import Analysis
 from pounding_cli.report.evidence import Evidence
 from pounding_cli.results.columns import column_of
 from pounding_cli.tables import Column, FormatRow, Row, Table
-from pounding_cli.variables import SCENE_DIMS
+from pounding_cli.variables import MIN_TWIST, SCENE_DIMS
 
 if TYPE_CHECKING:
     from pounding_cli.results.results import ResultTables
-
-MIN_TWIST = 1e-9
-"""Rotation of a floor up to which it is rounding [rad]."""
 
 CONTACT_MARK = "*"
 """Stands behind an acceleration or a force that the contact stiffness governs."""
@@ -49,6 +46,11 @@ def line_values(shown: Evidence, name: str, building: str, **places: str) -> np.
     """Return a variable of the frame lines of a building, NaN of those across the row, shape (..., storeys, lines)."""
     is_along = np.isfinite(shown.values("line_street", building=building))
     return np.where(is_along, shown.values(name, building=building, **places), np.nan)
+
+
+def has_lines_across(shown: Evidence, building: str) -> bool:
+    """Return whether a building has frame lines across the row, which resist the twist alone."""
+    return "line_x" in shown.results.arrays and bool(np.isfinite(shown.values("line_x", building=building)).any())
 
 
 def keep_lines_along(results: ResultTables, name: str) -> np.ndarray:
@@ -216,9 +218,10 @@ def _build_edge_table(shown: Evidence, twisting: list[str]) -> Table:
         for name in ("edge_drift_low", "drift", "edge_drift_high", "twist"):
             scale = 1.0 if name == "twist" else height
             for state in ("", "0"):
-                row[f"{name}{state}"] = np.nanmax(
-                    shown.values(f"{name}{state}", **place)[is_known].mean(axis=0) / scale
-                )
+                values = shown.values(f"{name}{state}", **place)[is_known].mean(axis=0) / scale
+                if name == "twist":
+                    values = np.where(values <= MIN_TWIST, 0.0, values)
+                row[f"{name}{state}"] = np.nanmax(values)
         rows.append(row)
     drift = column_of("edge_drift_ratio").unit
     twist = column_of("twist").unit
@@ -263,7 +266,7 @@ def _build_place_table(shown: Evidence) -> Table:
     closing_column = column_of("max_closing", shown.results.units)
     columns = [
         *(column_of(name) for name in ("case", "analysis")),
-        Column("pair", "buildings", label="between"),
+        Column("pair", "buildings", label="between", below=below("kind_below")),
         Column("street", "place along the street", column_of("street").unit, "along street"),
         Column("contacts", "number of contacts of all floors", label="contacts", write=_format_contacts, is_right=True),
         Column("peak_force", number.text, number.unit, "force", write=write_force, below=below("force_floors")),
@@ -282,20 +285,32 @@ def _build_place_table(shown: Evidence) -> Table:
 
 
 def _list_places(shown: Evidence) -> list[dict[str, Any]]:
-    """Return a row for every place along the street of two neighbours that are linked at several places."""
+    """Return a row for every place along the street of two neighbours that are linked at several places, and for every
+    kind of link there."""
     link = shown.link
     if "street" not in link or link.empty:
         return []
     link = link.assign(street=link["street"].round(6))
     pair_keys = ["case", "analysis", "left", "right"]
     rows = []
-    keys = [*pair_keys, "street"]
+    keys = [*pair_keys, "street", "kind"]
     for place, here in link.groupby(keys, sort=False, dropna=False):  # a base does not turn: NaN
         if np.isfinite(here["peak_force"]).any():
             values = zip(keys, place, strict=True)
             rows.append(dict(values) | _summarize_place(shown, here))
-    pairs = [tuple(row[key] for key in pair_keys) for row in rows]
-    return [row for row, pair in zip(rows, pairs, strict=True) if pairs.count(pair) > 1]
+    streets: dict[tuple[Any, ...], set[str]] = {}
+    kinds: dict[tuple[Any, ...], set[str]] = {}
+    for row in rows:
+        pair = tuple(row[key] for key in pair_keys)
+        streets.setdefault(pair, set()).add(str(row["street"]))
+        kinds.setdefault(pair, set()).add(row["kind"])
+    shown_rows = []
+    for row in rows:
+        pair = tuple(row[key] for key in pair_keys)
+        if len(streets[pair]) > 1:
+            row["kind_below"] = row["kind"] if len(kinds[pair]) > 1 else ""
+            shown_rows.append(row)
+    return shown_rows
 
 
 def _summarize_place(shown: Evidence, links: pd.DataFrame) -> dict[str, Any]:
@@ -303,9 +318,10 @@ def _summarize_place(shown: Evidence, links: pd.DataFrame) -> dict[str, Any]:
     force = links.iloc[int(links["peak_force"].argmax())]
     closing = links.iloc[int(links["max_closing"].argmax())]
     acts = force["peak_force"] > 0
+    contacts = links.groupby("record", sort=False)["impacts"].sum(min_count=1).mean()
     return {
         "pair": f"{force['left']}|{force['right']}",
-        "contacts": links.groupby("record", sort=False)["impacts"].sum(min_count=1).mean(),
+        "contacts": np.nan if shown.results.link_symbol(str(force["kind"])) == "bar" else contacts,
         "peak_force": force["peak_force"],
         "force_floors": _format_floors(force) if acts else "",
         "max_closing": closing["max_closing"],
@@ -315,7 +331,8 @@ def _summarize_place(shown: Evidence, links: pd.DataFrame) -> dict[str, Any]:
 
 
 def _format_contacts(row: Row) -> str:
-    return f"{row['contacts']:.1f}".removesuffix(".0")
+    """Return a number of contacts as it is written; a link that joins its floors at any closing has none."""
+    return f"{row['contacts']:.1f}".removesuffix(".0") if np.isfinite(row["contacts"]) else "–"
 
 
 def _format_floors(link: Any) -> str:

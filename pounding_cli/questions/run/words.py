@@ -19,6 +19,7 @@ from pounding_cli.questions.run.twist import (
     does_twist,
     does_twist_anywhere,
     format_length,
+    has_lines_across,
     keep_lines_along,
     line_values,
     list_twist_tables,
@@ -70,6 +71,7 @@ class ResponseChange:
     is_apart : whether no link of the case acts under any motion
     line, peak_line : where floors twist, the frame lines from 1 of the largest mean and of the largest ratio, and the
         ratios are those of frame lines; 0 of others
+    has_lines_across : whether the building has frame lines across the row too, which the ratios leave out
     """
 
     case: str
@@ -83,6 +85,7 @@ class ResponseChange:
     is_apart: bool
     line: int = 0
     peak_line: int = 0
+    has_lines_across: bool = False
 
     @property
     def is_rise(self) -> bool:
@@ -191,6 +194,7 @@ def find_changes(shown: Evidence, building: str, response: ComparedResponse) -> 
                 is_apart=not _acts(shown, case, response.analysis),
                 line=mean_place[1] + 1 if mean_place[1:] else 0,
                 peak_line=peak_place[1] + 1 if peak_place[1:] else 0,
+                has_lines_across=has_lines_across(shown, building),
             )
         )
     return sorted(changes, key=lambda change: -change.highest)
@@ -228,12 +232,13 @@ def describe_changes(changes: Sequence[ResponseChange], building: str, noun: str
     named_line = 0
     if any(change.line for change in changes):  # floors twist
         noun = noun.replace("storey shears", "shears")
-        subject = f"the {noun} of the lines of {building}"
+        all_lines = _name_lines(any(change.has_lines_across for change in changes))
+        subject = f"the {noun} of the {all_lines} of {building}"
         lines = {change.line for change in rises}
         if len(lines) == 1:
             named_line = lines.pop()
             subject = f"the {noun} of line {named_line} of {building}"
-            afterwards = "those of all its lines"
+            afterwards = f"those of all its {all_lines}"
     for verb, group in (("raises", rises), ("lowers", falls)):
         if group:
             clauses.append(_describe_group(verb, group, subject, motions, named_line))
@@ -241,6 +246,14 @@ def describe_changes(changes: Sequence[ResponseChange], building: str, noun: str
     if unchanged:
         clauses.append(_describe_unchanged(unchanged, subject))
     return f"{'; '.join(clauses)}."
+
+
+def _name_lines(has_across: bool) -> str:
+    """Return the frame lines that ratios are of in words; those across the row have no sentence.
+
+    has_across : whether the building has lines across the row too
+    """
+    return "lines along the row" if has_across else "lines"
 
 
 def _describe_group(verb: str, group: Sequence[ResponseChange], subject: str, motions: int, named_line: int) -> str:
@@ -278,10 +291,11 @@ def _describe_details(change: ResponseChange, motions: int, named_line: int) -> 
 def _describe_highest(change: ResponseChange) -> str:
     """Return by how little a case lowers a response at least."""
     least = 1 - change.highest
-    part = "storey of every line" if change.line else "storey"
+    line = "such line" if change.has_lines_across else "line"
+    part = f"storey of every {line}" if change.line else "storey"
     if least > MIN_CHANGE:
         return f"by {_format_percent(least)} or more in every {part}"
-    return "no line rises" if change.line else "no storey rises"
+    return f"no {line} rises" if change.line else "no storey rises"
 
 
 def _format_place(line: int, storey: int, named_line: int) -> str:
@@ -440,7 +454,10 @@ def _describe_sweep(results: ResultTables, shown: Evidence) -> list[str]:
             continue
         place = dict(zip(array.dims, np.unravel_index(int(np.nanargmax(means)), means.shape), strict=True))
         ratio = float(np.nanmax(means))
-        noun = f"{response.noun.replace('storey shears', 'shears')} of the lines" if by_line else response.noun
+        noun = response.noun
+        if by_line:
+            all_lines = _name_lines(has_lines_across(shown, shown.main_building))
+            noun = f"{noun.replace('storey shears', 'shears')} of the {all_lines}"
         if ratio <= 1 + MIN_CHANGE:
             sentences.append(f"Nowhere in the sweep do the {noun} of {shown.main_building} rise.")
             continue
