@@ -94,19 +94,6 @@ def test_shares_that_differ_by_rounding_are_one():
     assert format_range(60.0, 63.0, ".3g") == "60 to 63"
 
 
-@pytest.mark.parametrize(
-    ("size", "message"),
-    [("+-50 %", "the part of the width is 0.5; it must be"), ("+-5", "the part of the width is 5; it must be"),
-     ("+-0 %", "stands for three values")],
-)  # fmt: skip
-def test_a_size_to_both_sides_that_is_none(tmp_path, size, message):
-    """Fails if it is told as no number."""
-    path = tmp_path / "study.yaml"
-    path.write_text(STUDY.replace("width: 14 m,", f"width: 14 m, accidental: {size},"))
-    with pytest.raises(pound.InputError, match=message):
-        pound.load_study(path)
-
-
 def test_the_rest_is_what_other_lines_leave(tmp_path):
     """Fails if a share can be swept in no study, since all others would have to move with it."""
     path = tmp_path / "study.yaml"
