@@ -212,7 +212,8 @@ def find_twist_problem(part: TableQuantity, lines: Sequence[int], names: Sequenc
         return "no building of the study has a plan, so floors do not twist", "write `plan:` of a building that twists"
     if part.building is None:
         return None
-    name, count = names[part.building], lines[part.building]
+    name = names[part.building]
+    count = lines[part.building]
     if needs_plan and not count:
         return f"{name} has no plan", f"name a building with one: {', '.join(has_plan)}"
     if part.line > count:

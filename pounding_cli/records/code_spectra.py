@@ -40,7 +40,7 @@ class CodeSpectrum:
 
 @dataclass(frozen=True)
 class SuiteRules:
-    """What a code asks of motions that are scaled to its spectrum.
+    """Rules of a code for motions that are scaled to its spectrum.
 
     min_motions, count_clause : least number of motions, and where that stands
     range_end_factor, range_clause : the range of periods runs from RANGE_START_FACTOR times the shortest first period
@@ -67,7 +67,7 @@ RANGE_START_FACTOR = 0.2
 
 @dataclass(frozen=True)
 class CodeRules:
-    """What a code says of its spectrum and of motions that are scaled to it.
+    """The spectrum of a code, and its rules for motions that are scaled to it.
 
     build : of the spectrum, from the parameters of the code by name and `damping` [-]
     clause : where the spectrum stands

@@ -148,13 +148,11 @@ class _IsolatorsSpec(Model):
 
 
 def _isolators_model(law: Any, **examples: str) -> Any:
-    """The keys of isolators, from the parameters that their law declares."""
+    """Return the model of the keys of isolators, from the parameters that their law declares."""
     fields: dict[str, Any] = {}
     for name, example in examples.items():
-        kind, is_needed = (
-            Annotated[float, _build_quantity(law, name, example)],
-            law.parameters()[name].default is MISSING,
-        )
+        kind = Annotated[float, _build_quantity(law, name, example)]
+        is_needed = law.parameters()[name].default is MISSING
         fields[name] = (
             kind if is_needed else kind | None,
             spec_field(... if is_needed else None, _describe(law, name), example),
@@ -386,7 +384,8 @@ class _BuildingSpec(Model):
     def lengths(self) -> dict[str, int]:
         """Lengths of the keys that are given as lists; a new key that may be a list must be named here."""
         names = "mass", "height", "hardening", "stiffness", "yield_shear", "p_delta"
-        found = {name: len(value) for name in names if isinstance(value := getattr(self, name), tuple)}
+        values = {name: getattr(self, name) for name in names}
+        found = {name: len(value) for name, value in values.items() if isinstance(value, tuple)}
         if isinstance(self.stiffness, StiffnessAtSpec) and isinstance(self.stiffness.mass, tuple):
             found["stiffness.mass"] = len(self.stiffness.mass)
         if self.plan is not None:

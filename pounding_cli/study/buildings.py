@@ -44,7 +44,8 @@ def _build_frame(name: str, spec: Any) -> Building:
     stiffness = _find_stiffness(spec, mass)
     period = 2 * np.pi / float(frequencies(mass, stiffness)[0]) if spec.period is None else spec.period
     if spec.rayleigh:
-        alpha, beta = spec.rayleigh.alpha, spec.rayleigh.beta
+        alpha = spec.rayleigh.alpha
+        beta = spec.rayleigh.beta
     else:
         alpha, beta = rayleigh_factors(mass, stiffness, spec.damping)
     yield_shear = _find_yield_shear(spec, mass, height, period)
@@ -141,7 +142,7 @@ def _build_design(code: Any) -> Design:
     """Return what sets the yield shears."""
     if isinstance(code, BaseShearSpec):
         return BaseShearDesign(code.base_shear, code.distribution)
-    factors = {key: value for key in ("rw", "k") if (value := getattr(code, key)) is not None}
+    factors = {key: getattr(code, key) for key in ("rw", "k") if getattr(code, key) is not None}
     return UbcDesign(int(code.code[-4:]), code.zone, code.soil, code.importance, **factors)
 
 

@@ -22,9 +22,17 @@ from pounding_cli.texts import CONTROL, escape_controls
 Mark = tuple[Any, int]
 """Line and column; of Python data the dotted key and 0."""
 
-MAX_BYTES, MAX_VALUES, MAX_PROBLEMS, MAX_DEPTH = 4_000_000, 100_000, 100, 30
-"""Bytes of a file; its values, those that aliases repeat included; problems of a section that are told one by one;
-levels of a file."""
+MAX_BYTES = 4_000_000
+"""Largest size of a file [bytes]."""
+
+MAX_VALUES = 100_000
+"""Largest number of values of a file, those that aliases repeat included."""
+
+MAX_PROBLEMS = 100
+"""Problems of a section that are told one by one."""
+
+MAX_DEPTH = 30
+"""Largest number of levels of a file."""
 
 MAX_NEAR = 3
 """Names that a message suggests at most."""
@@ -52,13 +60,14 @@ class Map(dict[str, Any]):
         self, values: Any = (), mark: Mark = (0, 0), marks: dict[str, tuple[Mark, Mark]] | None = None
     ) -> None:
         super().__init__(values)
-        self.mark, self.marks = mark, marks or {}
+        self.mark = mark
+        self.marks = marks or {}
 
     def __str__(self) -> str:
         return f"{{{', '.join(f'{key}: {value}' for key, value in self.items())}}}"
 
     def take(self, key: str, source: Map, name: str = "") -> None:
-        """The value of a key of another mapping, with its place."""
+        """Take over the value of a key of another mapping, with its place."""
         self[key] = source[name or key]
         self.marks[key] = source.marks[name or key]
 
@@ -83,14 +92,15 @@ class Items(list[Any]):
 
     def __init__(self, values: Any = (), mark: Mark = (0, 0), marks: Sequence[Mark] = ()) -> None:
         super().__init__(values)
-        self.mark, self.marks = mark, list(marks)
+        self.mark = mark
+        self.marks = list(marks)
 
     def __str__(self) -> str:
         return f"[{', '.join(map(str, self))}]"
 
 
 def dump_yaml(value: Any, flow: bool = True) -> str:
-    """A value as YAML: on one line, or in blocks."""
+    """Return a value as YAML: on one line, or in blocks."""
     width = 10**6 if flow else 100
     text: str = yaml.safe_dump(
         _to_yaml_types(value), default_flow_style=flow, sort_keys=False, allow_unicode=True, width=width
@@ -99,12 +109,16 @@ def dump_yaml(value: Any, flow: bool = True) -> str:
 
 
 def _to_yaml_types(value: Any) -> Any:
-    """A value in the types of YAML."""
+    """Return a value in the types of YAML."""
     if isinstance(value, dict):
         return {str(key): _to_yaml_types(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
         return [_to_yaml_types(item) for item in value]
-    return str.__str__(value) if isinstance(value, str) else float(value) if isinstance(value, float) else value
+    if isinstance(value, str):
+        return str.__str__(value)
+    if isinstance(value, float):
+        return float(value)
+    return value
 
 
 def get(node: Any, *path: str | int) -> Any:
@@ -121,7 +135,10 @@ def get(node: Any, *path: str | int) -> Any:
 
 
 def with_value(node: Any, path: Sequence[str], value: Any, mark: Mark) -> Any:
-    """The same tree with `value` at `path`; mappings are made where they are missing.  Raises KeyError off the tree."""
+    """Return the same tree with `value` at `path`; mappings are made where they are missing.
+
+    Raises KeyError off the tree.
+    """
     if not path:
         return value
     step, *rest = path
@@ -231,16 +248,21 @@ class _Reader:
     """Turns the events of a parser into Maps, Items and scalars of YAML 1.2; notes what is wrong on the way."""
 
     def __init__(self, text: str, file: str) -> None:
-        self.text, self.file, self.count, self.problems = text, file, 0, Problems(file)
+        self.text = text
+        self.file = file
+        self.count = 0  # of values, with those that aliases repeat
+        self.problems = Problems(file)
         self.anchors: dict[str, tuple[Any, Mark, int, int]] = {}
         self.events: Iterator[Any] = yaml.parse(text, Loader=_LOADER)
 
     def refuse(self, mark: Mark, message: str, hint: str, last: bool = False) -> None:
+        """Note a problem.  Raises InputError where it is the last one, or there are too many."""
         self.problems.add(mark, message, hint)
         if last or len(self.problems.found) > 2 * MAX_PROBLEMS:
             self.problems.check()
 
     def document(self) -> tuple[Any, Mark]:
+        """Return the tree of the text and where it begins."""
         root: tuple[Any, Mark] = (None, (1, 1))
         for event in self.events:
             if isinstance(event, yaml.DocumentStartEvent):
@@ -251,6 +273,7 @@ class _Reader:
         return root
 
     def node(self, event: Any, depth: int) -> tuple[Any, Mark]:
+        """Return the value that begins with an event, and where it stands."""
         mark = _mark(event)
         if isinstance(event, yaml.AliasEvent):
             if event.anchor not in self.anchors:
@@ -281,6 +304,7 @@ class _Reader:
         return value, mark
 
     def count_values(self, values: int, mark: Mark, depth: int) -> None:
+        """Count values; refuse too many of them, and too many levels."""
         self.count += values
         if self.count > MAX_VALUES:
             hint = "write fewer aliases (*name)" if self.anchors else "a study is far shorter: motions stand in files"
@@ -289,14 +313,17 @@ class _Reader:
             self.refuse(mark, "the file is nested too deeply", f"a study needs at most {MAX_DEPTH} levels", True)
 
     def mapping(self, mark: Mark, depth: int) -> Map:
+        """Return the mapping whose events come next."""
         found = Map((), mark)
         last: Any = None
         while not isinstance(event := next(self.events), yaml.MappingEndEvent):
-            at, word = _mark(event), event.value if isinstance(event, yaml.ScalarEvent) else None
+            at = _mark(event)
+            word = event.value if isinstance(event, yaml.ScalarEvent) else None
             if word is None:
                 self.node(event, depth + 1)
                 self.refuse(at, "a key must be a word", "write `key: value`")
-            key, first = canonical(word or ""), next(self.events)
+            key = canonical(word or "")
+            first = next(self.events)
             value, there = self.node(first, depth + 1)
             if word is None:
                 pass
@@ -310,7 +337,8 @@ class _Reader:
                 line, column = found.marks[key][0]
                 self.refuse(at, f"'{key}' occurs twice; first at {line}:{column}", "remove one of the two")
             else:
-                found[key], found.marks[key] = value, (at, there)
+                found[key] = value
+                found.marks[key] = (at, there)
             last = first
         return found
 
@@ -341,6 +369,7 @@ class _Reader:
                 self.refuse_decimal(before, after)
 
     def scalar(self, event: Any, mark: Mark) -> Any:
+        """Return the value of a scalar, by the rules of YAML 1.2."""
         word = event.value
         if CONTROL.search(word):
             self.refuse(
@@ -362,7 +391,7 @@ class _Reader:
 
 
 def canonical(key: str) -> str:
-    """A key as it is read: `" gap "` is `gap`, `01` is `1`, and accents are one character each."""
+    """Return a key as it is read: `" gap "` is `gap`, `01` is `1`, and accents are one character each."""
     key = " ".join(unicodedata.normalize("NFC", key).split())
     return key.lstrip("0") or "0" if key.isascii() and key.isdigit() else key
 
@@ -381,7 +410,12 @@ def _mark(event: Any) -> Mark:
 
 
 def _height(node: Any) -> int:
-    below = node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
+    """Return the number of levels below a value."""
+    below: Iterable[Any] = ()
+    if isinstance(node, dict):
+        below = node.values()
+    elif isinstance(node, list):
+        below = node
     return max((1 + _height(child) for child in below), default=0)
 
 
@@ -389,13 +423,15 @@ def _syntax(file: str, error: yaml.MarkedYAMLError, text: str) -> Problem:
     """Return the problem of a text that is no YAML, with the slip that it comes from where that is known."""
     mark = error.problem_mark or error.context_mark
     line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
-    what, lines = error.problem or "unreadable", text.split("\n")
+    what = error.problem or "unreadable"
+    lines = text.split("\n")
     if error.context and error.context_mark and error.context_mark.line + 1 != line:
         what += f" ({error.context} that begins in line {error.context_mark.line + 1})"
     for number in () if "flow" in str(error.context) else (line, line - 1):
         row = "".join(lines[number - 1 : number])[:200] if number > 0 else ""
         if slip := MISSING_BLANK.match(row.strip().removeprefix("- ")):
-            message, indent = f"'{slip[0]}' needs a space after its colon", len(row) - len(row.lstrip())
+            message = f"'{slip[0]}' needs a space after its colon"
+            indent = len(row) - len(row.lstrip())
             return Problem(message, f"write `{slip[1]}: {slip[2]}`", file, number, indent + 1)
     hint = "check brackets, quotes, commas, indentation and # around this place; a # hides the rest of its line"
     if "\t" in what or "".join(lines[line - 1 : line]).lstrip(" ").startswith("\t"):
@@ -416,7 +452,8 @@ class Problems:
         """Note a problem at a line and column, or at a key of Python data."""
         place: Any = (self.file, *mark)
         if isinstance(mark[0], str):  # which names the key that the message begins with
-            place, message = (mark[0], 0, 0), message.removeprefix(f"{mark[0].split('.')[-1]}: ")
+            place = (mark[0], 0, 0)
+            message = message.removeprefix(f"{mark[0].split('.')[-1]}: ")
         self.found[Problem(message, hint, *place)] = None
 
     def add_at(self, root: Any, path: KeyPath, message: str, hint: str = "", key: bool = False) -> None:

@@ -179,19 +179,22 @@ def format_meetings(group: Sequence[Building]) -> list[str]:
     """
     lines = []
     for left, right in pairwise(group):
-        pair, (floors, strikes) = f"{left.name}|{right.name}  ", find_meetings(left, right)
+        pair = f"{left.name}|{right.name}  "
+        floors, strikes = find_meetings(left, right)
         if isinstance(left, Wall) or isinstance(right, Wall):
             named = ", ".join(f"floor {floor}" if floor else BASE for floor, _ in floors) or "no floor"
             lines.append(f"{pair}the wall meets {named}")
             continue
         if not strikes and len(floors) > 1 and all(i == j for i, j in floors):
-            first, last = floors[0][0], floors[-1][0]
+            first = floors[0][0]
+            last = floors[-1][0]
             heights = f"{left.level(first):g} to {left.level(last):g} m"
             lines.append(f"{pair}{heights}: floors {first} to {last} meet those of the same number")
             continue
         found = [(left.level(i), f"floor {i} meets floor {j}") for i, j in floors]
         for strike in strikes:
-            columns, slab = (left, right)[strike.side], (right, left)[strike.side]
+            columns = (left, right)[strike.side]
+            slab = (right, left)[strike.side]
             said = f"floor {strike.slab} of {slab.name} strikes columns of {columns.name} in storey {strike.storey}"
             said += f", at {100 * strike.height:.3g} % of its height"
             if columns.columns is None:

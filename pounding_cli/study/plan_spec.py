@@ -235,11 +235,8 @@ class PlanSpec(Model):
 
     def list_lengths(self) -> dict[str, int]:
         """Return the lengths of its lists, by key."""
-        found = {
-            name: len(value)
-            for name in ("inertia", "torsional_stiffness")
-            if isinstance(value := getattr(self, name), tuple)
-        }
+        values = {"inertia": self.inertia, "torsional_stiffness": self.torsional_stiffness}
+        found = {name: len(value) for name, value in values.items() if isinstance(value, tuple)}
         for key, lines in (("lines", self.lines or ()), ("across", self.across)):
             for number, line in enumerate(lines):
                 for name in ("stiffness", "yield_shear"):

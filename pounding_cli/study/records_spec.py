@@ -341,7 +341,8 @@ class SpectrumSpec(Model):
         elif isinstance(self.target, CodeTargetSpec):
             yield from self._find_code_issues(self.target)
         elif isinstance(self.target, dict):
-            first, last = min(self.target, default=0.0), max(self.target, default=0.0)
+            first = min(self.target, default=0.0)
+            last = max(self.target, default=0.0)
             if not first < last or not first <= self.low or not self.high <= last:
                 what = f"the target is given from {first:g} to {last:g} s, not over the whole range"
                 yield ("target",), what, f"give two points at least, {ends} and beyond"

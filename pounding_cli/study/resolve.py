@@ -207,7 +207,9 @@ class _Resolver:
             for each in building_specs.values()
             for _, spec in each.iter_values()
         )
-        complete, link_laws, links = {}, {}, {}
+        complete = {}
+        link_laws = {}
+        links = {}
         for name, case in cases.items():
             if not case.is_sound:
                 self.note_faulty_case(name, impact, meetings, names)

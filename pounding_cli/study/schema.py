@@ -64,7 +64,8 @@ class KeepSpec(Model):
 _Keep: Any = word_or(Literal["histories"], KeepSpec)
 
 
-_VALUE, _SPACING = {"type": ["number", "string"]}, {"enum": ["linear", "log"]}
+_VALUE = {"type": ["number", "string"]}
+_SPACING = {"enum": ["linear", "log"]}
 _STEPS = {"count": {"type": "integer", "minimum": 2}, "step": _VALUE, "spacing": _SPACING}
 _RANGE = mapping_schema("from", "to", **{"from": _VALUE, "to": _VALUE}, **_STEPS)
 _BRACKET = mapping_schema("values", "middle", values={"type": "array", "minItems": 3}, middle=_VALUE)
@@ -138,12 +139,13 @@ class StudySpec(Model):
     )
 
     def issues(self) -> Iterator[SpecIssue]:
-        timed, method = METHODS[self.method].takes_step, self.method
-        if timed and self.time_step is None:
+        method = self.method
+        takes_step = METHODS[method].takes_step
+        if takes_step and self.time_step is None:
             yield ("method",), f"method: {method} needs 'time_step'", f"write e.g. `time_step: {TIME_STEP.example}`"
-        if not timed and self.time_step is not None:
-            what, hint = f"'time_step' does not apply to method: {method}", "remove it; `accuracy:` controls the cost"
-            yield ("time_step",), what, hint, True
+        if not takes_step and self.time_step is not None:
+            what = f"'time_step' does not apply to method: {method}"
+            yield ("time_step",), what, "remove it; `accuracy:` controls the cost", True
         for place, analysis in enumerate(self.analyses):
             if analysis in self.analyses[:place]:
                 yield ("analyses", place), f"'{analysis}' occurs twice", "remove one"

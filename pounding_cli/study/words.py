@@ -23,14 +23,15 @@ from pounding_cli.study.records_spec import CODE_TARGETS
 
 @functools.cache
 def fields_of(model: type[BaseModel]) -> dict[str, tuple[Any, Any]]:
-    """Type and field of every key of a mapping, as the file calls it."""
+    """Return type and field of every key of a mapping, as the file calls it."""
     hints = get_type_hints(model, include_extras=True)
     return {info.alias or name: (hints[name], info) for name, info in model.model_fields.items()}
 
 
 def leaf_types(kind: Any) -> Iterator[Any]:
     """Yield what a type comes to: models, tuples, dicts, literals and parsers of values."""
-    origin, parts = get_origin(kind), get_args(kind)
+    origin = get_origin(kind)
+    parts = get_args(kind)
     if origin is typing.Annotated:
         read = next((part for part in parts[1:] if isinstance(part, ValueParser)), None)
         yield from [read] if read is not None else leaf_types(parts[0])
@@ -70,7 +71,7 @@ def types_at(model: type[BaseModel], path: Sequence[Any]) -> tuple[list[Any], An
 
 
 def keys_at(model: type[BaseModel], path: Sequence[Any], tree: Any) -> list[str]:
-    """The keys that the schema knows at `path`; of a free mapping those the file has."""
+    """Return the keys that the schema knows at `path`; of a free mapping those the file has."""
     found: dict[str, None] = {}
     for kind in types_at(model, path)[0]:
         if _is_model(kind):
@@ -93,13 +94,13 @@ def _parsers_at(model: type[BaseModel], path: tuple[str, ...]) -> list[ValuePars
 
 
 def quantity_at(model: type[BaseModel], path: tuple[str, ...]) -> Quantity | None:
-    """The quantity that may stand at a key, or None."""
+    """Return the quantity that may stand at a key, or None."""
     read = (kind if isinstance(kind, Quantity) else kind.quantity for kind in _parsers_at(model, path))
     return next((each for each in read if each is not None), None)
 
 
 def value_at(model: type[BaseModel], path: tuple[str, ...], given: Any) -> float | str:
-    """A value of a key as tables have it: an SI number, or the word that the file writes."""
+    """Return a value of a key as tables have it: an SI number, or the word that the file writes."""
     found = given
     for reader in _parsers_at(model, path):
         try:

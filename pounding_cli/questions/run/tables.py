@@ -174,7 +174,8 @@ def _find_drifts(storey: pd.DataFrame, name: str) -> Peak:
         drift=storey[f"{name}_ratio"], drift_alone=storey[f"{name}_ratio"] * storey[f"{name}0"] / drift
     )
     if name == "edge_drift":
-        low, high = storey["edge_drift_low"], storey["edge_drift_high"]
+        low = storey["edge_drift_low"]
+        high = storey["edge_drift_high"]
         edge = np.where(high > low, "high edge", "low edge")
         drifts["part"] = np.where(np.isclose(low, high, rtol=1e-9), "", edge)
     return Peak("drift", "drift", "drift_ratio", drifts)

@@ -265,7 +265,8 @@ def _describe_group(verb: str, group: Sequence[ResponseChange], subject: str, mo
     clause = f"case {first.case} {verb} {subject} {first.amount} ({_describe_details(first, motions, named_line)})"
     if len(others) < MAX_TOLD_CASES:
         return ", ".join([clause, *(f"{change.case} {change.amount}" for change in others)])
-    most, least = others[0], others[-1]
+    most = others[0]
+    least = others[-1]
     return f"{clause}, {len(others)} others by {least.size} ({least.case}) to {most.size} ({most.case})"
 
 

@@ -108,7 +108,9 @@ def _split(line: str, separator: str) -> list[tuple[str, int]]:
     column = 1
     for part in parts:
         match = _CELL.match(part)
-        written = part.strip() if match is None else match["plain"] if match["quoted"] is None else match["quoted"]
+        written = part.strip()
+        if match is not None:
+            written = match["plain"] if match["quoted"] is None else match["quoted"]
         cells.append((written.replace('""', '"').strip(), column + len(part) - len(part.lstrip())))
         column += len(part) + 1
     return cells
