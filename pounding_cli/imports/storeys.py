@@ -27,7 +27,7 @@ CENTRE_TABLES = ("Centers Of Mass And Rigidity", "Center Of Mass And Rigidity", 
 STOREY = ("Story", "Storey", "Name", "Story Name", "Storey Name", "Level", "Floor")
 HEIGHT = ("Height", "Story Height", "Storey Height")
 ELEVATION = ("Elevation", "Elev", "Story Elevation")
-CASE = ("Output Case", "Load Case", "Load Case/Combo", "Case", "Case/Combo")
+CASE = ("Output Case", "Load Case", "Load Case/Combo", "Case", "Case/Combo", "Load")
 STEP_TYPE = ("Step Type",)
 STEP_NUMBER = ("Step Number", "Step Num", "Step")
 TOWER = ("Tower",)
@@ -50,6 +50,18 @@ OF_DIRECTION = {
     for number, direction in ((1, "X"), (2, "Y"))
 }
 """Direction -> what is read -> headings, the best one first."""
+
+TOTALS = {"total", "totals", "grandtotal", "sum", "sums", "sumtotal", "summe", "gesamt", "somme", "suma", "toplam"}
+"""Names of rows that are sums of the others, by their letters."""
+
+BELOW_GROUND = r"-\s*\d+|.*\s-\d+|.*(basement|cellar|underground|below ground).*"
+"""Names of storeys that lie below the ground."""
+
+BELOW_GROUND_HINT = (
+    "a study has one ground for all buildings, on which the lowest storey stands here: take the storeys below the "
+    "ground out of the tables, unless the neighbour has them too"
+)
+"""What to do about storeys below the ground."""
 
 MAX_PERIOD_DIFFERENCE = 0.05
 """Relative difference of the periods of stick and model beyond which storeys do not deform in shear alone."""
@@ -135,6 +147,7 @@ def read_building(tables: TableFile, choices: Choices, needs_stiffness: bool = T
     if plain is not None:
         building = _read_plain_table(plain, choices, needs_stiffness)
     else:
+        _refuse_missing_columns(tables, choices, needs_stiffness)
         _refuse_missing_tables(tables, needs_stiffness)
         building = _read_storeys(tables, choices)
         if needs_stiffness:
@@ -142,7 +155,60 @@ def read_building(tables: TableFile, choices: Choices, needs_stiffness: bool = T
             _read_stiffness(table, table.get_column(quantities["stiffness"][:2], "storey stiffness"), building, choices)
     _read_eccentricity(tables, building, choices)
     _read_period(tables, building, choices)
+    if choices.tower:
+        building.notes.append(f"tower: {escape_controls(choices.tower)}")
+    note_decimals(tables, building)
+    _warn_below_ground(building)
     return building
+
+
+def note_decimals(tables: TableFile, building: ImportedBuilding) -> None:
+    """Note how the numbers of the files were read, where they have decimal commas or could be read in another way."""
+    for decimals in tables.list_decimals():
+        if decimals.example:
+            building.notes.append(f"decimal commas: '{decimals.example}' is {decimals.example.replace(',', '.')}")
+        if decimals.is_ambiguous:
+            sign = "comma" if decimals.example else "point"
+            building.warnings.append(
+                f"three digits stand behind every {sign} of {shorten_path(tables.path)}; it is taken for a decimal "
+                "sign: where it parts thousands, take it out"
+            )
+
+
+def _warn_below_ground(building: ImportedBuilding) -> None:
+    """Warn of storeys whose names say that they lie below the ground, where the elevations have not told so already."""
+    names = [name for name in building.names if re.fullmatch(BELOW_GROUND, name, re.IGNORECASE)]
+    if names and not any("below the ground" in warning for warning in building.warnings):
+        shown = join_limited([escape_controls(name) for name in names], 200)
+        building.warnings.append(
+            f"{shown} {'sounds' if len(names) == 1 else 'sound'} as if below the ground; {BELOW_GROUND_HINT}"
+        )
+
+
+def _refuse_missing_columns(tables: TableFile, choices: Choices, needs_stiffness: bool) -> None:
+    """Raise InputError with the columns that a plain table lacks, unless the file has tables of a frame program."""
+    if any(tables.find_table(names) for names in (HEIGHT_TABLES, MASS_TABLES, STIFFNESS_TABLES)):
+        return
+    quantities = OF_DIRECTION[choices.direction]
+    wanted = [
+        (("Storey", *STOREY), "name of the storey"),
+        (HEIGHT, "storey height"),
+        (("Mass", *quantities["mass"]), "mass of the floor"),
+        *([(("Stiffness", *quantities["stiffness"]), "storey stiffness")] if needs_stiffness else []),
+    ]
+    counts = [sum(table.find_column(names) is not None for names, _ in wanted) for table in tables.tables]
+    best = int(np.argmax(counts))
+    is_one_table = len(tables.tables) == 1 and needs_stiffness
+    if counts[best] < 2 and not is_one_table:
+        return
+    problems: list[Problem] = []
+    for names, meaning in wanted:
+        try:
+            tables.tables[best].get_column(names, meaning)
+        except InputError as error:
+            problems += error.problems
+    if problems:
+        raise InputError(problems)
 
 
 def _refuse_missing_tables(tables: TableFile, needs_stiffness: bool) -> None:
@@ -156,7 +222,8 @@ def _refuse_missing_tables(tables: TableFile, needs_stiffness: bool) -> None:
     problems = []
     for names, shown, meaning in wanted:
         if tables.find_table(names) is None:
-            hint = f"export it too, {meaning}; a plain table has the columns storey, height, mass, stiffness"
+            hint = f"export it too, {meaning}; a plain table has the columns storey, height, mass"
+            hint += ", stiffness" if needs_stiffness else ": --storeys storeys.csv"
             message = f"no table {shown} ({meaning}); the file has {tables.list_titles()}"
             problems.append(Problem(message, hint, shorten_path(tables.path)))
     if problems:
@@ -188,7 +255,9 @@ def _read_plain_table(table: ProgramTable, choices: Choices, needs_stiffness: bo
     """Return a building from one table with a row for each storey.  Raises InputError."""
     quantities = OF_DIRECTION[choices.direction]
     storey = table.get_column(STOREY, "name of the storey")
-    rows = _select_tower(table, table.rows, choices)
+    rows, notes = leave_out_totals(table, _select_tower(table, table.rows, choices), storey)
+    if not rows:
+        raise table.refuse("has no row of a storey", "write one for each storey below the headings")
     columns = {
         "height": (table.get_column(HEIGHT, "storey height"), "m"),
         "mass": (table.get_column(quantities["mass"], "mass of the floor"), "kg"),
@@ -196,19 +265,58 @@ def _read_plain_table(table: ProgramTable, choices: Choices, needs_stiffness: bo
     if needs_stiffness:
         columns["stiffness"] = (table.get_column(quantities["stiffness"], "storey stiffness"), "N/m")
     for key, headings, si in (("yield_shear", YIELD_SHEAR, "N"), ("hardening", HARDENING, "")):
-        column = table.find_column(headings)
-        if column is not None and needs_stiffness:
-            columns[key] = (column, si)
+        if table.find_column(headings) is not None and needs_stiffness:
+            columns[key] = (table.get_column(headings, key.replace("_", " ")), si)
     names = [table.read_text(row, storey) for row in rows]
     _refuse_twice(table, rows, storey, names)
     place_of, reason = _find_order(table, rows, storey, names, [], choices)
     ordered = [rows[place] for place in place_of]
     values: dict[str, Any] = {}
-    notes = [f"order of the storeys: {reason}"]
+    notes.append(f"order of the storeys: {reason}")
     for key, (column, si) in columns.items():
         values[key] = np.array([_read_positive(table, row, column, si, key == "hardening") for row in ordered])
         notes.append(f"{key.replace('_', ' ')}: {table.describe_column(column)}")
-    return ImportedBuilding(tuple(names[place] for place in place_of), notes=notes, **values)
+    if "hardening" in values:
+        _refuse_large_hardening(table, ordered, columns["hardening"][0], values["hardening"])
+    taken = [storey.place, *(column.place for column, _ in columns.values())]
+    unused = [each.name for each in table.columns if each.place not in taken and needs_stiffness]
+    if unused:
+        notes.append(f"columns left out: {join_limited([escape_controls(name) for name in unused], 300)}")
+    building = ImportedBuilding(tuple(names[place] for place in place_of), notes=notes, **values)
+    _warn_gaps_in_numbers(building)
+    return building
+
+
+def _refuse_large_hardening(table: ProgramTable, rows: Sequence[Row], column: Column, ratios: np.ndarray) -> None:
+    """Raise InputError where a hardening ratio is 1 or more."""
+    for row, ratio in zip(rows, ratios, strict=True):
+        if ratio >= 1.0:
+            message = f"{table.read_text(row, column)} is no hardening ratio, which is below 1"
+            raise table.refuse(message, f"write 0.05, or percent as `{column.name} [%]`", row, column)
+
+
+def _warn_gaps_in_numbers(building: ImportedBuilding) -> None:
+    """Warn where the numbers of the storeys leave some out, since a row may be missing."""
+    numbers = _find_numbers(building.names)
+    if not numbers:
+        return
+    absent = sorted(set(range(min(numbers), max(numbers))) - set(numbers) - {0})
+    if absent:
+        shown = join_limited([str(number) for number in absent], 100)
+        building.warnings.append(f"the names of the storeys leave out the number {shown}: is a row missing?")
+
+
+def leave_out_totals(table: ProgramTable, rows: Sequence[Row], storey: Column) -> tuple[list[Row], list[str]]:
+    """Return the rows of storeys, and a note of every row that is a total."""
+    kept = []
+    notes = []
+    for row in rows:
+        name = table.read_text(row, storey)
+        if normalize_name(name) in TOTALS:
+            notes.append(f"left out: row {row[0]} of '{table.title}', '{escape_controls(name)}'")
+        else:
+            kept.append(row)
+    return kept, notes
 
 
 def _read_storeys(tables: TableFile, choices: Choices) -> ImportedBuilding:
@@ -217,6 +325,7 @@ def _read_storeys(tables: TableFile, choices: Choices) -> ImportedBuilding:
     storey = table.get_column(STOREY, "name of the storey")
     height = table.get_column(HEIGHT, "storey height")
     rows = [row for row in _select_tower(table, table.rows, choices) if table.read_text(row, storey)]
+    rows, notes = leave_out_totals(table, rows, storey)
     bases = [row for row in rows if _is_base(table, row, storey, height)]
     above = [row for row in rows if row not in bases]
     names = [table.read_text(row, storey) for row in above]
@@ -224,8 +333,9 @@ def _read_storeys(tables: TableFile, choices: Choices) -> ImportedBuilding:
         raise table.refuse("has no storey", "export it with a row for each storey")
     _refuse_twice(table, above, storey, names)
     mass_table = _get_table(tables, MASS_TABLES)
-    mass_rows = _select_tower(mass_table, mass_table.rows, choices)
     mass_storey = mass_table.get_column(STOREY, "name of the storey")
+    mass_rows = _select_tower(mass_table, mass_table.rows, choices)
+    mass_rows, mass_notes = leave_out_totals(mass_table, mass_rows, mass_storey)
     mass_names = [mass_table.read_text(row, mass_storey) for row in mass_rows]
     _refuse_twice(mass_table, mass_rows, mass_storey, mass_names)
     base_order = _find_base_order(rows, bases) or _find_base_order_in_masses(mass_names, names)
@@ -242,22 +352,36 @@ def _read_storeys(tables: TableFile, choices: Choices) -> ImportedBuilding:
     ]
     building = ImportedBuilding(ordered_names, heights, np.array(masses))
     building.notes = [
+        *notes,
+        *mass_notes,
         f"order of the storeys: {reason}",
         f"height: {table.describe_column(height)}",
         f"mass: {mass_table.describe_column(mass_column)}",
     ]
+    base_names = ["base", *(normalize_name(table.read_text(row, storey)) for row in bases)]
+    of_all_towers = [table.read_text(row, storey) for row in table.rows]
     for name in mass_names:
-        if name not in ordered_names:
+        if normalize_name(name) in base_names:
             ground_mass = mass_table.read_quantity(by_name[name], mass_column, "kg")
             building.notes.append(
                 f"{ground_mass / 1e3:.6g} t of '{escape_controls(name)}' move with the ground, left out"
             )
-    _check_elevations(table, ordered, height)
+        elif name not in of_all_towers:
+            message = f"storey '{escape_controls(name)}' has a mass, but no row in '{table.title}'"
+            hint = "export all storeys, with one name for a storey in all tables; the base is called Base"
+            raise mass_table.refuse(message, hint, by_name[name], mass_storey)
+    _check_elevations(table, ordered, height, building)
+    _warn_gaps_in_numbers(building)
     return building
 
 
-def _check_elevations(table: ProgramTable, ordered: Sequence[Row], height: Column) -> None:
-    """Make sure that elevations, where a table has them, are the sums of the heights.  Raises InputError."""
+def _check_elevations(table: ProgramTable, ordered: Sequence[Row], height: Column, building: ImportedBuilding) -> None:
+    """Make sure that elevations, where a table has them, are the sums of the heights; warn of those below the ground.
+
+    Raises
+    ------
+    InputError : an elevation is not that of the storey below plus a height
+    """
     column = table.find_column(ELEVATION)
     if column is None:
         return
@@ -267,6 +391,9 @@ def _check_elevations(table: ProgramTable, ordered: Sequence[Row], height: Colum
         if abs(above - below - storey_height) > 2e-3 + 1e-3 * storey_height:
             rise = f"the elevation is {above - below:.6g} m above that of the storey below"
             raise table.refuse(f"{rise}, the height {storey_height:.6g} m", "correct one of the two", row, column)
+    base = elevations[0] - table.read_quantity(ordered[0], height, "m")
+    if base < -2e-3 and elevations[-1] > 0.0:
+        building.warnings.append(f"the base lies {-base:.6g} m below the ground ({column.name} 0); {BELOW_GROUND_HINT}")
 
 
 def _select_tower(table: ProgramTable, rows: Sequence[Row], choices: Choices) -> list[Row]:
@@ -274,13 +401,19 @@ def _select_tower(table: ProgramTable, rows: Sequence[Row], choices: Choices) ->
     column = table.find_column(TOWER)
     if column is None:
         return list(rows)
-    towers = list(dict.fromkeys(table.read_text(row, column) for row in rows))
+    towers = [tower for tower in dict.fromkeys(table.read_text(row, column) for row in rows) if tower]
     if choices.tower in towers:
-        return [row for row in rows if table.read_text(row, column) == choices.tower]
+        nameless = [row for row in rows if not table.read_text(row, column)]
+        if nameless and len(towers) > 1:
+            raise table.refuse("is empty", "write the tower in every row", nameless[0], column)
+        return [row for row in rows if table.read_text(row, column) in (choices.tower, "")]
     if len(towers) > 1 or choices.tower:
         there = join_limited([escape_controls(tower) for tower in towers], 300)
-        message = f"no tower '{choices.tower}'" if choices.tower else f"has {pluralize(len(towers), 'tower')}"
-        raise table.refuse(f"{message}: {there}", f"name one, e.g. --tower {escape_controls(towers[0])}")
+        message = f"has {pluralize(len(towers), 'tower')}"
+        if choices.tower:
+            message = f"has no tower '{escape_controls(choices.tower)}'"
+        example = escape_controls(towers[0]) if towers else "T1"
+        raise table.refuse(f"{message}: {there or 'the cells are empty'}", f"name one, e.g. --tower {example}")
     return list(rows)
 
 
@@ -299,7 +432,8 @@ def _refuse_twice(table: ProgramTable, rows: Sequence[Row], storey: Column, name
     """Raise InputError where a storey stands twice, or has no name."""
     for place, name in enumerate(names):
         if not name:
-            raise table.refuse("is empty", "write the name of the storey", rows[place], storey)
+            hint = "write the name of the storey, or take the row out if it is a total"
+            raise table.refuse("is empty", hint, rows[place], storey)
         if name in names[:place]:
             first = rows[names.index(name)][0]
             message = f"storey '{escape_controls(name)}' stands in row {first} too"
@@ -401,8 +535,11 @@ def _find_order(
 
 
 def _find_numbers(names: Sequence[str]) -> list[int]:
-    """Return the numbers in names such as Story1, Story2, which differ in nothing else; none in other names."""
-    matches = [re.fullmatch(r"(\D*)(\d+)(\D*)", name) for name in names]
+    """Return the numbers in names such as Story1, Story2, which differ in nothing else; none in other names.
+
+    A minus counts where it does not join a word and a number: of `-1`, not of `Story-1`.
+    """
+    matches = [re.fullmatch(r"(|\D*\s|\D*(?=\d))(-?\d+)(\D*)", name) for name in names]
     kinds = {(match[1].strip(), match[3].strip()) for match in matches if match}
     numbers = [int(match[2]) for match in matches if match]
     is_numbered = len(numbers) == len(names) and len(kinds) == 1 and len(set(numbers)) == len(names)
@@ -440,6 +577,8 @@ def select_case(table: ProgramTable, column: Column, choices: Choices, meaning: 
         return rows, ""
     cases = list(dict.fromkeys(table.read_text(row, case) for row in rows))
     chosen = choices.case or (cases[0] if len(cases) == 1 else "")
+    if not cases:
+        raise table.refuse("has no row", "export it with the results of a load case")
     if chosen in cases and chosen:
         return [row for row in rows if table.read_text(row, case) == chosen], chosen
     useful = [each for each in cases if _is_filled(table, rows, case, each, column)]
@@ -475,7 +614,13 @@ def _read_stiffness(table: ProgramTable, column: Column, building: ImportedBuild
         _compare_with_drift(table, row, column, name, building, direction)
     building.stiffness = np.array(stiffnesses)
     of_case = f", load case {escape_controls(case)}" if case else ""
+    of_case += f", step {escape_controls(choices.step)}" if choices.step else ""
     building.notes.append(f"stiffness: {table.describe_column(column)}{of_case}, direction {direction}")
+    others = [name for name in by_name if name not in building.names and normalize_name(name) not in {"base", *TOTALS}]
+    if others and not choices.tower:
+        message = f"storey '{escape_controls(others[0])}' has a stiffness, but no height and mass"
+        hint = "export all storeys, with one name for a storey in all tables"
+        raise table.refuse(message, hint, by_name[others[0]], storey)
 
 
 def _pick_step(
@@ -495,7 +640,10 @@ def _pick_step(
             steps = {" ".join(filter(None, (table.read_text(each, c) for c in step_columns))): 0 for each in rows}
             there = join_limited([escape_controls(step) for step in steps if step], 200) or "without names"
             message = f"storey '{escape_controls(name)}' has another value in row {first[0]}; the steps are {there}"
-            raise table.refuse(message, "choose one, e.g. --step Max, or another load case", row, column)
+            hint = "choose one, e.g. --step Max, or another load case"
+            if not any(steps):
+                hint = "leave one row for each storey, or export the column with the load cases"
+            raise table.refuse(message, hint, row, column)
     return by_name
 
 
