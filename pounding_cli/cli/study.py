@@ -79,7 +79,9 @@ def init(name: str, template: str | None, like: str | None) -> None:  # fmt: ski
     click.echo(f"wrote {', '.join(map(str, written))}")
     missing = find_missing_motions(study)
     if missing:
-        click.echo(f"First put {' and '.join(missing)} beside it, which come from elsewhere: its comments say where from.")
+        click.echo(
+            f"First put {' and '.join(missing)} beside it, which come from elsewhere: its comments say where from."
+        )
     click.echo("Next, change it as you like, and:")
     for line, what in steps.items():
         click.echo(f"  {line:<{max(map(len, steps))}}   {what}")

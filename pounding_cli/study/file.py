@@ -8,7 +8,7 @@ import re
 import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from itertools import islice, pairwise
+from itertools import islice, pairwise, takewhile
 from pathlib import Path
 from typing import Any, cast
 
@@ -435,9 +435,16 @@ class Problems:
 def nearest(word: Any, names: Iterable[str]) -> str:
     """A hint naming the nearest of `names`, and all of them."""
     known = [str(name)[:60] for name in islice(names, 1000)]
-    near = difflib.get_close_matches(str(word)[:60], known, 1, 0.5)
+    text = str(word)[:60]
+
+    def likeness(name: str) -> tuple[float, int]:
+        """Return how alike a name is, and how many letters at its beginning are the same."""
+        shared = takewhile(lambda pair: pair[0] == pair[1], zip(name, text, strict=False))
+        return difflib.SequenceMatcher(None, name, text).ratio(), len(list(shared))
+
+    near = max(difflib.get_close_matches(text, known, 10, 0.5), key=likeness, default="")
     listed = ", ".join(known[:40]) + (", ..." if len(known) > 40 else "")
-    return (f"did you mean '{near[0]}'? " if near else "") + (f"known: {listed}" if known else "none is defined")
+    return (f"did you mean '{near}'? " if near else "") + (f"known: {listed}" if known else "none is defined")
 
 
 _MARKS = {

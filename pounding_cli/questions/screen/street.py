@@ -16,12 +16,14 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic_core import PydanticCustomError
 
+from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.archetypes import DESIGNS, list_types
 from pounding_cli.numbers import pluralize
 from pounding_cli.questions.screen.designs import ZONES, find_design
 from pounding_cli.records.text import load_text, parse_number
 from pounding_cli.study.file import Items, Map, Mark, Problems, dump_yaml, nearest, parse_value
 from pounding_cli.study.issues import Issue, IssuesFound
+from pounding_cli.study.motions import MotionReader
 from pounding_cli.study.quantity import ACCELERATION, GAP, LENGTH, Quantity
 from pounding_cli.study.written import read_spec
 
@@ -69,7 +71,14 @@ _EXAMPLES = {"gap": "gap [cm]"}
 _HEADING = re.compile(r"(?P<name>[^\[(]*?)\s*(?:[\[(]\s*(?P<unit>[^\])]*?)\s*[\])])?\Z")
 _PGA_OF_PERIOD = re.compile(r"pga (?P<years>\d+)(?: years?)?\Z")
 _CELL = re.compile(r'\s*(?:"(?P<quoted>(?:[^"]|"")*)"|(?P<plain>[^"]*))\s*\Z', re.DOTALL)
+_DECIMAL_COMMA = re.compile(r"^(-?\d+),(\d{1,2}|\d{4,})$")
 _OVERRIDES = {"period": "period", "damping": "damping", "mass": "mass"}
+_WITH_UNIT = {"gap": "cm", "height": "m", "period": "s", "mass": "t", "pga": "g"}
+"""Headings, without their side, below which a number needs a unit, and an example of one."""
+
+MAX_PGA = 5.0
+"""Largest peak ground acceleration that is one [g]: more was never recorded."""
+
 _UNIT_YEARS = ("", "years", "year", "a", "yr")
 
 
@@ -156,6 +165,41 @@ class Street:
     pairs: Sequence[Pair]
     settings: Settings = field(default_factory=Settings)
 
+    @cached_property
+    def _reader(self) -> MotionReader:
+        """Reads the motions, which all pairs have in common."""
+        return MotionReader(self.path.resolve().parent)
+
+    def find_warnings(self) -> list[Problem]:
+        """Return what should be known of all pairs.
+
+        Raises InputError: with everything wrong in the studies of the pairs, so that none is refused once others are
+        solved.
+        """
+        from pounding_cli.questions.gap.question import Gap
+
+        warnings: dict[str, Problem] = {}
+        problems: dict[str, Problem] = {}
+        checked = set()
+        hazards = set()
+        for pair in self.pairs:
+            key = (pair.buildings_key, pair.hazard_key, pair.gap)
+            if key in checked:
+                continue
+            checked.add(key)
+            try:
+                study = self.build_study(pair)
+                if pair.hazard_key not in hazards:
+                    hazards.add(pair.hazard_key)
+                    Gap(study)
+            except InputError as refused:
+                problems |= {str(problem): problem for problem in refused.problems}
+            else:
+                warnings |= {str(warning): warning for warning in study.warnings}
+        if problems:
+            raise InputError(list(problems.values()))
+        return list(warnings.values())
+
     def build_study(self, pair: Pair) -> Study:
         """Return the study of a pair, whose text is followed by the table as comments.
 
@@ -166,7 +210,7 @@ class Street:
 
         tree = self._build_tree(pair)
         text = self.format_study(pair) + "".join(f"# {line}\n" for line in self.text.splitlines())
-        study = build_study(self.path, text, tree, study_model())
+        study = build_study(self.path, text, tree, study_model(), reader=self._reader)
         return replace(study, title=f"{self.path.name}: {pluralize(len(self.pairs), 'pair')} of neighbours")
 
     def format_study(self, pair: Pair) -> str:
@@ -220,6 +264,9 @@ def read_street(path: Path, settings: Settings | None = None) -> Street:
     settings = settings or Settings()
     text = load_text(path, "table of neighbours")
     problems = Problems(str(path))
+    if settings.zone and settings.zone.upper() not in ZONES:
+        message = f"'{settings.zone[:40]}' is not a zone of the Uniform Building Code"
+        problems.add(("--zone", 0), message, f"write one of {', '.join(ZONES)}")
     rows = {number: line for number, line in enumerate(text.lines, 1) if line.strip() and not line.startswith("#")}
     head_line, head = next(iter(rows.items()))
     separator = max(",;\t", key=head.count)
@@ -237,15 +284,17 @@ def read_street(path: Path, settings: Settings | None = None) -> Street:
             message = f"the row has {len(cells)} cells below {len(headings)} headings"
             problems.add((line, 1), message, "put texts that hold a comma in quotes, and leave unknown cells empty")
             continue
-        named = {
-            name: _read_cell(text, unit, (line, column))
-            for (name, unit), (text, column) in zip(headings, cells, strict=True)
-            if text
-        }
+        named = {}
+        for (name, unit), (cell_text, column) in zip(headings, cells, strict=True):
+            written = cell_text if separator == "," else _DECIMAL_COMMA.sub(r"\1.\2", cell_text)
+            if written:
+                named[name] = _read_cell(written, unit, (line, column))
+                _check_unit(name, named[name], problems)
         pair = reader.read(named, line)
         if pair is not None:
             pairs.append(pair)
     _refuse_equal_names(pairs, problems)
+    _refuse_other_buildings_of_one_name(pairs, problems)
     problems.check()
     return Street(path, "\n".join(text.lines), pairs, settings)
 
@@ -293,6 +342,32 @@ def _read_cell(text: str, unit: str, mark: Mark) -> Cell:
     """Return a cell with the unit of its heading, unless it has one of its own."""
     is_number = parse_number(text) is not None
     return Cell(f"{text} {unit}" if unit and is_number else text, mark)
+
+
+def _check_unit(name: str, cell: Cell, problems: Problems) -> None:
+    """Note a number that needs a unit and has none."""
+    quantity = name.removeprefix(f"{LEFT} ").removeprefix(f"{RIGHT} ")
+    example = _WITH_UNIT.get("pga" if _PGA_OF_PERIOD.match(name) else quantity)
+    number = parse_number(cell.text)
+    if example is not None and number is not None and number != 0.0:
+        hint = f"write the unit into the heading, `{name} [{example}]`, or behind the number, `{cell.text} {example}`"
+        problems.add(cell.mark, f"{cell.text} has no unit", hint)
+
+
+def _refuse_other_buildings_of_one_name(pairs: Sequence[Pair], problems: Problems) -> None:
+    """Note names that stand for two buildings: in one row, or at the right of a row and the left of the next one."""
+    for pair in pairs:
+        if pair.names[0] and pair.names[0] == pair.names[1]:
+            message = f"'{pair.names[0]}' is the name of both buildings"
+            problems.add((pair.line, 1), message, "give each building a name of its own")
+    for pair, next_pair in pairwise(pairs):
+        name = next_pair.names[0]
+        if not name or name != pair.names[1]:
+            continue
+        if dump_yaml(pair.buildings[RIGHT]) != dump_yaml(next_pair.buildings[LEFT]):
+            message = f"'{name}' is another building here than at the right of row {pair.line}"
+            hint = "write the same type, design level, storeys and measured values in both rows, or another name"
+            problems.add((next_pair.line, 1), message, hint)
 
 
 def _refuse_equal_names(pairs: Sequence[Pair], problems: Problems) -> None:
@@ -466,6 +541,10 @@ class _RowReader:
             value = self._read_number(cell, ACCELERATION)
             years = float(match["years"]) if match else self._read_return_period(cells)
             if value is None or years is None:
+                continue
+            if value > ACCELERATION.read(f"{MAX_PGA} g"):
+                message = f"{cell.text} is no peak ground acceleration: none above {MAX_PGA:g} g was recorded"
+                self.problems.add(cell.mark, message, "write e.g. 0.3 below `pga [g]`")
                 continue
             accelerations.append((value, 1.0 / years))
             points[f"{value / ACCELERATION.read('1 g'):.6g} g"] = 1.0 / years
