@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -55,6 +55,7 @@ class Curve:
     storey : its name
     drift [m], shear [N] : rising from 0; shape (n,)
     softening : the largest shear over that of the last point, where the curve falls after its peak; 1 where it does not
+    fall_drift [m], fall_shear [N] : from the peak to the last point; shape (m,)
     is_reversed : True where drift or shear were negative
     end_row : row of the table before which the curve ends, since its drift does not grow there; 0 where it goes on
     """
@@ -63,6 +64,8 @@ class Curve:
     drift: np.ndarray
     shear: np.ndarray
     softening: float = 1.0
+    fall_drift: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    fall_shear: np.ndarray = field(default_factory=lambda: np.zeros(0))
     is_reversed: bool = False
     end_row: int = 0
 
@@ -220,7 +223,16 @@ def _build_curve(table: ProgramTable, rows: Sequence[Row], name: str, drift: Col
         hint = "give the steps in their order, each drift larger; take repeated rows and unloading out"
         raise table.refuse(message, hint, rows[int(falling[0]) + 1], drift)
     softening = float(shears[first_peak] / max(shears[-1], 1e-300))
-    return Curve(name, drifts[: peak + 1], shears[: peak + 1], softening, is_reversed, end_row)
+    return Curve(
+        name,
+        drifts[: peak + 1],
+        shears[: peak + 1],
+        softening,
+        drifts[peak:],
+        shears[peak:],
+        is_reversed,
+        end_row,
+    )
 
 
 def apply_curves(
@@ -317,6 +329,10 @@ def draw_fits(curves: Sequence[Curve], fits: dict[str, Fit], title: str) -> Figu
         corner = min(fit.yield_shear / fit.stiffness, float(curve.drift[-1]))
         ends = np.array([0.0, corner, float(curve.drift[-1])])
         ax.plot(1e3 * curve.drift, curve.shear / 1e3, color="black", lw=1.6, label="pushover curve")
+        if curve.softening > 1.0 + MAX_DROP:
+            ax.plot(
+                1e3 * curve.fall_drift, curve.fall_shear / 1e3, color="0.6", lw=1.2, label="beyond the peak, left out"
+            )
         ax.plot(1e3 * ends, fit.shear_at(ends) / 1e3, color="#D55E00", lw=1.4, dashes=(5, 2), label="two lines")
         ax.plot([1e3 * corner], [fit.shear_at(np.array([corner]))[0] / 1e3], "o", color="#D55E00", ms=4)
         state = "" if fit.yields else ", does not yield"

@@ -11,6 +11,7 @@ import pytest
 import yaml
 
 from pounding_cli.api.studies import load_study
+from pounding_cli.imports.pushover import Curve, draw_fits, fit_two_lines
 
 STOREYS = 9
 MASS = np.array([220e3, *[200e3] * 7, 150e3])
@@ -672,6 +673,15 @@ def test_a_plateau_and_a_fall_after_the_elastic_part_are_yielding(folder, pound,
     if hardening == 0.0:
         assert building.yield_shear == pytest.approx(0.012 * k, rel=1.1e-3)
     assert building.hardening == pytest.approx(np.full(STOREYS, hardening), abs=1e-9)
+
+
+def test_the_picture_shows_what_lies_beyond_the_peak():
+    drift = np.linspace(0.0, 0.01, 11)
+    curve = Curve("1", drift, np.minimum(drift, 0.005) * 1e8, 2.0, np.array([0.01, 0.02]), np.array([5e5, 2.5e5]))
+    figure = draw_fits([curve], {"1": fit_two_lines(curve)}, "fits")
+    lines = {line.get_label(): line for line in figure.axes[0].lines}
+    assert list(lines["beyond the peak, left out"].get_xdata()) == [10.0, 20.0]
+    assert figure.axes[0].get_xlim()[1] > 20.0
 
 
 def test_unloading_is_no_loss_of_strength(folder, pound):

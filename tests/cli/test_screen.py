@@ -120,6 +120,20 @@ def test_street_is_drawn_to_scale(screened):
     assert [text.get_text() for text in figure.axes[0].texts] == ["2", "3", "1"]
 
 
+def test_low_buildings_are_seen_beside_a_tower(screened):
+    """A storey has one height in all lines; the tower makes its line taller. Fails where every line is as high."""
+    frame = pd.concat([screened[1].answer("screen").frame] * 2, ignore_index=True)
+    frame["row"] = range(len(frame))
+    frame.loc[0, "right_height"] = 90.0
+    figure = draw_street(frame, "street")
+    figure.draw_without_rendering()
+    boxes = [ax.patches[0] for ax in figure.axes[:2]]
+    scales = [box.get_window_extent().height / box.get_height() / figure.dpi for box in boxes]
+    assert scales[0] == pytest.approx(scales[1], rel=0.01)
+    assert 7.32 * scales[0] > 0.15  # inches
+    assert figure.axes[0].bbox.height > 1.5 * figure.axes[1].bbox.height
+
+
 def test_alike_pairs_share_their_histories(screened):
     """`mews` has the buildings of `mill`; of the worst pair the median buildings and those alone come on top."""
     _, results, outcome = screened
