@@ -173,6 +173,8 @@ def test_curves_are_wider_over_what_the_neighbour_may_be(pound):
             added = row["spread"] ** 2 - row["spread_of_median"] ** 2
             assert row["widening"] ** 2 == pytest.approx(max(added, 0.0), rel=1e-9)
         assert (row["spread"] == curves.loc[place, "spread"]) or np.isnan(row["spread"])
+        assert np.isfinite([row["spread"], row["median"]]).all() == (curves.loc[place, "outcome"] == "fitted")
+    assert "motions less than a step of the intensities" in re.sub(r"\s+", " ", out)
     assert rows["widening"].max() > 0
     # all of the 4 x 3 motions, with the drift capacity of each building, and by itself
     damage = results.table("fragility_motions").query("limit == 'slight damage' and state == 'alone'")

@@ -41,9 +41,9 @@ def describe_widening(evidence: Evidence, place: Row) -> str:
     for row in sorted(frame.to_dict("records"), key=lambda row: bool(row[STATE] == ALONE)):
         if not math.isfinite(row["widening"]):
             continue
-        both, motions, neighbour = (
-            format_number(row[name], 2) if row[name] > 0 else "0" for name in ("spread", "spread_of_median", "widening")
-        )
+        both, motions, neighbour = (format_number(row[name], 2) for name in ("spread", "spread_of_median", "widening"))
+        if row["spread_of_median"] == 0.0:
+            motions = "less than a step of the intensities"
         parts.append(f"{both} {row[STATE]} (motions {motions}, neighbour {neighbour})")
     return f"β is {', '.join(parts)}" if parts else ""
 
