@@ -77,8 +77,8 @@ def note_median_buildings(results: ResultTables) -> str:
             seen.append(describe_seen(buildings[name], name))
     if not seen:
         return ""
-    is_are = "is the median building" if len(seen) == 1 else "are the median buildings"
+    is_are = "is the median building of what it" if len(seen) == 1 else "are the median buildings of what they"
     return (
-        f"{join_limited(seen)} {is_are} of what it may be, seen from the street: `pound gap` and `pound fragility` "
+        f"{join_limited(seen, last=' and ')} {is_are} may be, seen from the street: `pound gap` and `pound fragility` "
         "answer over the others too, `pound check` lists the numbers with their sources."
     )

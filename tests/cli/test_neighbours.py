@@ -145,6 +145,24 @@ def test_the_answer_comes_first_and_says_of_which_building(pound):
     assert "theirs (W2, low-code, 2 storeys) is the median building of what it may be" in re.sub(r"\s+", " ", out)
 
 
+def test_two_neighbours_are_told_as_two(pound):
+    """And a study without a hazard curve has no rates to speak of."""
+    Path("seen.yaml").write_text(
+        STUDY.replace(
+            "  ours:", "  ours: {archetype: {type: W2, design: low-code, storeys: 2, neighbours: 4}}\n  was:"
+        )
+    )
+    code, out, _ = pound("gap", "seen.yaml")
+    assert code == 0
+    text = re.sub(r"\s+", " ", out)
+    assert "Over 4 buildings that ours (W2, low-code, 2 storeys) and theirs (W2, low-code, 2 storeys) may be" in text
+    assert "over both buildings, " in text
+    assert "At the median buildings ours and theirs: " in text
+    assert "All other numbers but the first ones are of the median buildings" in text
+    _, out, _ = pound("run", "seen.yaml")
+    assert "are the median buildings of what they may be" in re.sub(r"\s+", " ", out)
+
+
 def test_bootstrap_draws_neighbours_and_motions():
     """The interval of a probability covers that of many tables of both as often as it says, nearly."""
     random = np.random.default_rng(5)

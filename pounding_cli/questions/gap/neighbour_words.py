@@ -36,7 +36,7 @@ def describe_neighbours(evidence: GapEvidence, pair: tuple[str, str]) -> str:
         return ""
     first = rows.iloc[0]
     motions = pluralize(int(first["motions"]), "motion")
-    count = f"{first['neighbours']:.0f} buildings that {join_limited(drawn)} may be and over {motions}"
+    count = f"{first['neighbours']:.0f} buildings that {join_limited(drawn, last=' and ')} may be and over {motions}"
     where = f"between {' and '.join(pair)} " if len(evidence.pairs) > 1 else ""
     shares = ", ".join(f"{100 * share:.0f} %" for share in NEIGHBOUR_SHARES)
     needs = f"for {shares} {where}the gap is {'; '.join(_iter_widths(evidence, rows))}"
@@ -91,13 +91,15 @@ def _describe_kind(row: Row, number: int) -> str:
 
 def describe_spread(evidence: GapEvidence, pair: tuple[str, str]) -> str:
     """Return what the neighbour adds to the scatter of the required gap; "" where nothing is known of it."""
-    if not _list_drawn_places(evidence, pair):
+    drawn = _list_drawn_places(evidence, pair)
+    if not drawn:
         return ""
+    neighbours = "the neighbour" if len(drawn) == 1 else "both buildings"
     rows = _select_rows(evidence, pair)
     rows = rows[rows["spread"].notna()]
     parts = [
         f"{format_number(row['spread_motions'], 2)} over the motions and {format_number(row['spread_neighbours'], 2)} "
-        f"over the neighbour, {format_number(row['spread'], 2)} in all, {_describe_kind(row, number)}"
+        f"over {neighbours}, {format_number(row['spread'], 2)} in all, {_describe_kind(row, number)}"
         for number, row in enumerate(rows.to_dict("records"))
     ]
     where = f" between {' and '.join(pair)}" if len(evidence.pairs) > 1 else ""
@@ -126,7 +128,10 @@ def note_median(results: ResultTables) -> str:
     if NEIGHBOURS_TABLE not in results.answers:
         return ""
     names = list_drawn_names(results, results.answer(NEIGHBOURS_TABLE))
+    has_rates = results.answer(NEIGHBOUR_CASES_TABLE).frame["rate"].notna().any()
+    rates = f"Annual rates are over what {join_limited(names, last=' and ')} may be too; all" if has_rates else "All"
+    is_one = len(names) == 1
     return (
-        f"Annual rates are over what {join_limited(names)} may be too; all other numbers but the first ones are of the "
-        "median building, which `pound run` simulates. `pound check` lists its numbers with their sources."
+        f"{rates} other numbers but the first ones are of the median {'building' if is_one else 'buildings'}, which "
+        f"`pound run` simulates. `pound check` lists {'its' if is_one else 'their'} numbers with their sources."
     )
