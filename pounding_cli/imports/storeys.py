@@ -157,6 +157,12 @@ def read_building(tables: TableFile, choices: Choices, needs_stiffness: bool = T
     _read_period(tables, building, choices)
     if choices.tower:
         building.notes.append(f"tower: {escape_controls(choices.tower)}")
+        if not any(table.find_column(TOWER) for table in tables.tables):
+            message = f"no table has a column Tower, so that --tower {escape_controls(choices.tower)} has no effect"
+            raise InputError(Problem(message, "leave --tower out", shorten_path(tables.path)))
+    if choices.mode is not None and tables.find_table(PERIOD_TABLES) is None:
+        message = f"there is no table '{PERIOD_TABLES[0]}', so that --mode {choices.mode} has no effect"
+        raise InputError(Problem(message, "export it too, or leave --mode out", shorten_path(tables.path)))
     note_decimals(tables, building)
     _warn_below_ground(building)
     return building
@@ -254,6 +260,10 @@ def _find_plain_table(tables: TableFile, choices: Choices, needs_stiffness: bool
 def _read_plain_table(table: ProgramTable, choices: Choices, needs_stiffness: bool) -> ImportedBuilding:
     """Return a building from one table with a row for each storey.  Raises InputError."""
     quantities = OF_DIRECTION[choices.direction]
+    for option, value in (("--case", choices.case), ("--step", choices.step)):
+        if value and needs_stiffness:
+            message = f"has a row for each storey and no load cases, so that {option} {value} has no effect"
+            raise table.refuse(message, f"leave {option} out")
     storey = table.get_column(STOREY, "name of the storey")
     rows, notes = leave_out_totals(table, _select_tower(table, table.rows, choices), storey)
     if not rows:
@@ -506,14 +516,16 @@ def _find_order(
     InputError : nothing shows the order
     """
     places = list(range(len(names)))
-    if choices.order:
-        return (places if choices.order == "up" else places[::-1]), f"--order {choices.order}"
     if len(places) == 1:
         return places, "one storey"
     elevation = table.find_column(ELEVATION)
     if elevation is not None:
         levels = [table.read_number(row, elevation) for row in rows]
-        return sorted(places, key=lambda place: levels[place]), f"by {table.describe_column(elevation)}"
+        by_level = sorted(places, key=lambda place: levels[place])
+        if choices.order and by_level != (places if choices.order == "up" else places[::-1]):
+            message = f"--order {choices.order} contradicts the column '{elevation.name}'"
+            raise table.refuse(message, "leave --order out, or correct the column", rows[0], elevation)
+        return by_level, f"by {table.describe_column(elevation)}"
     evidence: dict[str, list[int]] = {}
     if base_order:
         side = "first" if base_order[0] == "up" else "last"
@@ -524,6 +536,11 @@ def _find_order(
     numbers = _find_numbers(names)
     if numbers:
         evidence["by the numbers in the names"] = sorted(places, key=lambda place: numbers[place])
+    if choices.order:
+        chosen = places if choices.order == "up" else places[::-1]
+        against = [reason for reason, order in evidence.items() if order != chosen]
+        doubt = f", against the evidence: {'; '.join(against)}" if against else ""
+        return chosen, f"--order {choices.order}{doubt}"
     hint = "give --order up, or --order down; or export the elevations"
     if not evidence:
         message = "nothing shows whether the storeys stand from the ground up or from the roof down"
@@ -573,6 +590,9 @@ def select_case(table: ProgramTable, column: Column, choices: Choices, meaning: 
     """
     case = table.find_column(CASE)
     rows = _select_tower(table, table.rows, choices)
+    if case is None and choices.case:
+        message = f"has no column of load cases, so that --case {escape_controls(choices.case)} has no effect"
+        raise table.refuse(message, "leave --case out, or export the column with the load cases")
     if case is None:
         return rows, ""
     cases = list(dict.fromkeys(table.read_text(row, case) for row in rows))

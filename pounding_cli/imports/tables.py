@@ -272,25 +272,43 @@ class TableFile:
     tables: tuple[ProgramTable, ...]
 
     def find_table(self, names: Sequence[str]) -> ProgramTable | None:
-        """Return the first table of one of these names; None where there is none.
+        """Return the table of the first of these names that there is; None where there is none.
 
         A sheet holds at most 31 characters of a name.
+
+        Raises
+        ------
+        InputError : several tables have the name
         """
         wanted = [normalize_name(name) for name in names]
         for name in wanted:
+            found = []
             for table in self.tables:
                 titles = {normalize_name(table.title), normalize_name(table.sheet)}
                 is_cut = len(table.sheet) == 31 and name.startswith(normalize_name(table.sheet))
                 if name in titles or is_cut:
-                    return table
+                    found.append(table)
+            if found:
+                return self._take_only(found)
         return None
 
     def find_table_with(self, *columns: Sequence[str]) -> ProgramTable | None:
-        """Return the first table that has a column of each of these lists of names; None where there is none."""
-        for table in self.tables:
-            if all(table.find_column(names) for names in columns):
-                return table
-        return None
+        """Return the table that has a column of each of these lists of names; None where there is none.
+
+        Raises
+        ------
+        InputError : there are several
+        """
+        found = [table for table in self.tables if all(table.find_column(names) for names in columns)]
+        return self._take_only(found) if found else None
+
+    def _take_only(self, found: Sequence[ProgramTable]) -> ProgramTable:
+        """Return the only one of some tables.  Raises InputError: there are several."""
+        if len(found) == 1:
+            return found[0]
+        names = [escape_controls(table.sheet or table.path.name) for table in found]
+        message = f"{len(found)} tables could be meant: {join_limited(names, 300)}"
+        raise InputError(Problem(message, "leave one of them in the file or folder", shorten_path(self.path)))
 
     def list_decimals(self) -> list[Decimals]:
         """Return how the numbers of its files are written, each way once."""

@@ -563,6 +563,10 @@ def import_plain(folder, pound, *lines, options=()):
         ([PLAIN.replace("Yield shear", "Stiffness"), *ROWS], [], ["plain.csv:1:5", "2 columns 'Stiffness'"]),
         ([PLAIN, *ROWS, ",10.4,560,,"], [], ["plain.csv:5:1", "is empty", "a total"]),
         ([PLAIN + ",Tower", *(row + ",T1" for row in ROWS)], ["--tower", "T2"], ["has no tower 'T2': T1"]),
+        ([PLAIN, *ROWS], ["--tower", "T2"], ["--tower T2 has no effect"]),
+        ([PLAIN, *ROWS], ["--case", "EQX"], ["--case EQX has no effect"]),
+        ([PLAIN, *ROWS], ["--step", "Max"], ["--step Max has no effect"]),
+        ([PLAIN, *ROWS], ["--mode", "2"], ["--mode 2 has no effect"]),
     ],
 )
 def test_wrong_plain_tables_are_refused_by_name(folder, pound, lines, options, words):
@@ -628,6 +632,39 @@ def test_a_storey_is_never_lost(folder, pound, change, code, words):
     found, out, err = pound("import", "etabs", "tower.xlsx", "--case", "EQX")
     assert found == code, err
     assert [word for word in words if word not in out + err] == [], out + err
+
+
+def test_two_tables_that_could_be_meant_are_refused(folder, pound):
+    rows = [PLAIN.split(","), *(row.split(",") for row in ROWS)]
+    book = openpyxl.Workbook()
+    for name in ("North", "South"):
+        sheet = book.create_sheet(name)
+        for row in rows:
+            sheet.append(row)
+    book.save(folder / "towers.xlsx")
+    code, _, err = pound("import", "table", "towers.xlsx")
+    assert code == 2
+    assert "2 tables could be meant: North, South" in err
+    sheets = layout("v16")
+    sheets["Story Stiffness (2)"] = sheets["Story Stiffness"]
+    write_book(sheets, folder / "tower.xlsx")
+    book = openpyxl.load_workbook(folder / "tower.xlsx")
+    book["Story Stiffness (2)"]["A1"] = "TABLE:  Story Stiffness"
+    book.save(folder / "tower.xlsx")
+    code, _, err = pound("import", "etabs", "tower.xlsx")
+    assert code == 2
+    assert "Story Stiffness, Story Stiffness (2)" in err
+
+
+def test_an_order_against_the_evidence_is_told(folder, pound):
+    code, out, _ = import_plain(folder, pound, PLAIN, *ROWS, options=["--order", "up", "--name", "Büro Süd"])
+    assert code == 0
+    assert "wrote büro-süd.yaml" in out
+    assert "--order up, against the evidence: by the numbers in the names" in out
+    write_book(layout("v16"), folder / "tower.xlsx")
+    code, _, err = pound("import", "etabs", "tower.xlsx", "--order", "up")
+    assert code == 2
+    assert "--order up contradicts the column 'Elevation'" in err
 
 
 def test_a_base_below_the_ground_is_told(folder, pound):

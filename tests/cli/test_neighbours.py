@@ -148,9 +148,7 @@ def test_the_answer_comes_first_and_says_of_which_building(pound):
 def test_two_neighbours_are_told_as_two(pound):
     """And a study without a hazard curve has no rates to speak of."""
     Path("seen.yaml").write_text(
-        STUDY.replace(
-            "  ours:", "  ours: {archetype: {type: W2, design: low-code, storeys: 2, neighbours: 4}}\n  was:"
-        )
+        STUDY.replace("  ours:", "  ours: {archetype: {type: W2, design: low-code, storeys: 2, neighbours: 4}}\n  was:")
     )
     code, out, _ = pound("gap", "seen.yaml")
     assert code == 0
