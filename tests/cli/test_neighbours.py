@@ -161,6 +161,19 @@ def test_two_neighbours_are_told_as_two(pound):
     assert "are the median buildings of what they may be" in re.sub(r"\s+", " ", out)
 
 
+def test_a_swept_type_is_told_as_it_is_there(pound):
+    """Fails where the type that the study writes is told of a point with another one."""
+    text = STUDY.replace("height: 3.66 m", "height: 3.05 m").replace("type: W2", "type: RM1L")
+    Path("seen.yaml").write_text(text + "sweep: {buildings.theirs.archetype.type: [C1L, C3L]}\n")
+    code, out, _ = pound("gap", "seen.yaml")
+    assert code == 0
+    told = re.findall(r"archetype\.type = (\w+), over 4 buildings that theirs \((\w+), low-code", " ".join(out.split()))
+    assert told
+    assert all(here == named for here, named in told)
+    _, out, _ = pound("run", "seen.yaml")
+    assert "theirs (low-code, 2 storeys) is the median building" in " ".join(out.split())
+
+
 def test_bootstrap_draws_neighbours_and_motions():
     """The interval of a probability covers that of many tables of both as often as it says, nearly."""
     random = np.random.default_rng(5)

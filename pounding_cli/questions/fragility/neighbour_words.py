@@ -22,9 +22,8 @@ def describe_drawn(results: ResultTables) -> str:
     if NEIGHBOURS not in results.answers:
         return ""
     names = list_drawn_names(results, results.answer(NEIGHBOURS))
-    buildings = results.resolved["buildings"]
     count = int(results.answer(NEIGHBOURS).frame["neighbours"].iloc[0])
-    seen = join_limited((describe_seen(buildings[name], name) for name in names), last=" and ")
+    seen = join_limited((describe_seen(results, name) for name in names), last=" and ")
     motions = pluralize(len(results.names("record")), "motion")
     return f"Curves are over {count} buildings that {seen} may be, and over {motions}."
 

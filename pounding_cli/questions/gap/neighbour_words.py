@@ -28,13 +28,14 @@ _KINDS = {"elastic": "elastic", "inelastic": "yielding"}
 def describe_neighbours(evidence: GapEvidence, pair: tuple[str, str]) -> str:
     """Return how likely the gaps of the cases are enough, and the gaps for some probabilities; "" where both buildings
     are certain."""
-    drawn = _list_drawn_places(evidence, pair)
-    if not drawn:
+    types = _list_drawn_types(evidence, pair)
+    if not types:
         return ""
     rows = _select_rows(evidence, pair)
     if rows.empty:
         return ""
-    first = rows.iloc[0]
+    first = rows.iloc[0].to_dict()
+    drawn = [describe_seen(evidence.results, building_type, place, first) for place, building_type in types.items()]
     motions = pluralize(int(first["motions"]), "motion")
     count = f"{first['neighbours']:.0f} buildings that {join_limited(drawn, last=' and ')} may be and over {motions}"
     where = f"between {' and '.join(pair)} " if len(evidence.pairs) > 1 else ""
@@ -45,17 +46,14 @@ def describe_neighbours(evidence: GapEvidence, pair: tuple[str, str]) -> str:
     return f"{over} {count}: {'; '.join([*_iter_chances(evidence, pair, where), needs])}."
 
 
-def _list_drawn_places(evidence: GapEvidence, pair: tuple[str, str]) -> list[str]:
-    """Return the buildings of a pair of which the question drew several, with what is known of them."""
+def _list_drawn_types(evidence: GapEvidence, pair: tuple[str, str]) -> dict[str, str]:
+    """Return the building types of which the question drew several, by the places of a pair where they stand."""
     results = evidence.results
     if NEIGHBOURS_TABLE not in results.answers:
-        return []
+        return {}
     type_by_place = dict(zip(results.resolved["places"], results.resolved["group"], strict=True))
     drawn_types = list_drawn_names(results, results.answer(NEIGHBOURS_TABLE))
-    buildings = results.resolved["buildings"]
-    return [
-        describe_seen(buildings[type_by_place[place]], place) for place in pair if type_by_place[place] in drawn_types
-    ]
+    return {place: type_by_place[place] for place in pair if type_by_place[place] in drawn_types}
 
 
 def _select_rows(evidence: GapEvidence, pair: tuple[str, str]) -> pd.DataFrame:
@@ -91,10 +89,10 @@ def _describe_kind(row: Row, number: int) -> str:
 
 def describe_spread(evidence: GapEvidence, pair: tuple[str, str]) -> str:
     """Return what the neighbour adds to the scatter of the required gap; "" where nothing is known of it."""
-    drawn = _list_drawn_places(evidence, pair)
-    if not drawn:
+    types = _list_drawn_types(evidence, pair)
+    if not types:
         return ""
-    neighbours = "the neighbour" if len(drawn) == 1 else "both buildings"
+    neighbours = "the neighbour" if len(types) == 1 else "both buildings"
     rows = _select_rows(evidence, pair)
     rows = rows[rows["spread"].notna()]
     parts = [
