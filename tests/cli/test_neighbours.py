@@ -174,6 +174,17 @@ def test_a_swept_type_is_told_as_it_is_there(pound):
     assert "theirs (low-code, 2 storeys) is the median building" in " ".join(out.split())
 
 
+def test_check_lists_the_first_point_of_a_sweep_and_warns_along_it(pound):
+    text = STUDY.replace("type: W2", "type: C1L").replace("height: 3.66 m", "height: 3.05 m").split("fragility")[0]
+    Path("two.yaml").write_text(text + "sweep: {buildings.theirs.archetype.storeys: [1, 3, 5]}\n")
+    code, out, err = pound("check", "two.yaml")
+    assert code == 0
+    assert "low-code, 1 storey (Hazus" in out
+    assert "at the first value of buildings.theirs.archetype.storeys" in out
+    assert re.search(r"period +0\.2000 s", out)
+    assert "two.yaml:10:52: theirs has 5 storeys, but C1L of HAZUS is of 1 to 3 storeys" in err
+
+
 def test_bootstrap_draws_neighbours_and_motions():
     """The interval of a probability covers that of many tables of both as often as it says, nearly."""
     random = np.random.default_rng(5)
