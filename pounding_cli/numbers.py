@@ -58,11 +58,16 @@ def round_roughly(number: int) -> int:
     return int(float(f"{number:.2g}"))
 
 
-def join_limited(words: Iterable[str], max_characters: int = 1600) -> str:
-    """Return words joined by commas, `a, b, c`; of more than fill a screen (`max_characters`), how many are left."""
+def join_limited(words: Iterable[str], max_characters: int = 1600, last: str = ", ") -> str:
+    """Return words joined by commas, `a, b, c`; of more than fill a screen (`max_characters`), how many are left.
+
+    last : what stands before the last word where all are shown
+    """
     words = list(words)
     shown = sum(end <= max_characters for end in accumulate(len(word) + 2 for word in words))
     left = len(words) - shown
+    if left == 0 and len(words) > 1:
+        return f"{', '.join(words[:-1])}{last}{words[-1]}"
     return ", ".join(words[:shown]) + (f" and {left} more" if left else "")
 
 

@@ -133,7 +133,7 @@ def pushover(curves: Path, storeys: Path | None, figure: Path | None, **options:
       pound import pushover curves.csv --storeys storeys.csv
     """
     from pounding_cli.imports.pushover import apply_curves, draw_fits, read_curves
-    from pounding_cli.imports.storeys import read_building
+    from pounding_cli.imports.storeys import note_decimals, read_building
     from pounding_cli.outputs import check_output
     from pounding_cli.report.style import FIGURE_FORMATS, drawn_as
 
@@ -142,8 +142,10 @@ def pushover(curves: Path, storeys: Path | None, figure: Path | None, **options:
     read, notes = read_curves(found, choices)
     others = found if storeys is None else _read_tables(storeys, options["units"])
     building = read_building(others, choices, needs_stiffness=False)
-    fits = apply_curves(building, read, str(curves))
+    fits = apply_curves(building, read, str(curves), bool(choices.tower))
     building.notes += notes
+    if storeys is not None:
+        note_decimals(found, building)
     name = _choose_name(options["name"], curves)
     picture = figure or _choose_output(options["output"], name).with_name(f"{name}-fits.svg")
     suffix = picture.suffix.lower().lstrip(".")
@@ -238,6 +240,8 @@ def _finish(
     path = _choose_output(options["output"], name)
     plan = _build_plan(building, options)
     said = _describe_periods(building, options["match_period"])
+    if options["units"] is not None:
+        building.notes.append(f"columns without a unit: force and length by --units '{options['units']}'")
     text = format_study(name, building, command, digests, plan)
     writes_over: Callable[[Path, bytes], bool] = lambda _, head: (  # noqa: E731
         options["force"] and head.startswith(b"# Written by `pound import")
@@ -270,7 +274,10 @@ def _describe_periods(building: ImportedBuilding, matches: bool) -> str:
     if building.model_period is None:
         return f"period: the first one of the stick is {stick:.4g} s; no table has that of the model to compare"
     difference = stick / building.model_period - 1.0
+    is_far = not 0.5 < 1.0 + difference < 2.0
     words = f"{abs(100 * difference):.2g} % {'longer' if difference > 0 else 'shorter'}"
+    if is_far:
+        words = f"{1.0 + difference:.3g} times as long"
     if abs(difference) < 5e-4:
         words = "the same within 0.05 %"
     sentence = (
@@ -279,7 +286,12 @@ def _describe_periods(building: ImportedBuilding, matches: bool) -> str:
     )
     if matches:
         return f"{sentence}; scaled to that of the model"
-    if abs(difference) > MAX_PERIOD_DIFFERENCE:
+    if is_far:
+        building.warnings.append(
+            f"the period of the stick is {1.0 + difference:.3g} times that of the model: check the units of masses and "
+            "stiffnesses, and whether the load case pushes along the row"
+        )
+    elif abs(difference) > MAX_PERIOD_DIFFERENCE:
         building.warnings.append(
             f"the periods of stick and model differ by {abs(100 * difference):.2g} %: the storeys do not deform in "
             "shear alone, or the load case does not follow the first mode; --match-period scales the stiffnesses"

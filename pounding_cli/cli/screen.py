@@ -11,6 +11,9 @@ from pounding_cli.cli.options import FILE, output_option
 from pounding_cli.cli.solve import answer_question, prepare_solving, solving_options
 from pounding_cli.errors import InputError, Problem
 
+MAX_WARNINGS = 10
+"""Warnings of pairs that are printed."""
+
 
 @click.command()
 @click.argument("table", type=FILE, metavar="STREET.csv")
@@ -87,6 +90,7 @@ def screen(
     """
     prepare_solving()
     from pounding_cli.api.studies import default_output
+    from pounding_cli.batch.progress import JsonLines
     from pounding_cli.questions.screen.question import Screen
     from pounding_cli.questions.screen.street import Settings
     from pounding_cli.questions.screen.street_table import read_street
@@ -113,6 +117,15 @@ def screen(
             raise InputError(Problem(f"--pair {pair}: there is no such pair", hint, str(table)))
         click.echo(street.format_study(named[0]), nl=False)
         return
+    warnings = street.find_warnings()
+    shown = [str(warning) for warning in warnings[:MAX_WARNINGS]]
+    if len(warnings) > MAX_WARNINGS:
+        shown.append(f"and {len(warnings) - MAX_WARNINGS} more in other rows")
+    for warning in shown:
+        if how["log_json"]:
+            JsonLines().write_event("warning", text=warning)
+        elif not how["quiet"]:
+            click.echo(f"warning: {warning}", err=True)
     path = output or default_output(table, "screen")
     if not answer_question(Screen(street), path, **how):
         ctx.exit(1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shlex
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -50,9 +51,11 @@ def init(name: str, template: str | None, like: str | None) -> None:  # fmt: ski
       pound init walls/front --template wall
       pound init mine --like impact-oscillator
     """
+    from pounding_cli.api.studies import default_output
+    from pounding_cli.paper import TITLES as POINT_TITLES
     from pounding_cli.questions import TITLES, schema_text
     from pounding_cli.study.file import kind_of_file, read_study
-    from pounding_cli.study.template import TEMPLATES, start_study
+    from pounding_cli.study.template import TEMPLATES, find_missing_motions, start_study
 
     if template and like:
         problem = Problem("--template and --like name two studies to start from", "write one of the two")
@@ -63,15 +66,23 @@ def init(name: str, template: str | None, like: str | None) -> None:  # fmt: ski
         how = TEMPLATES[template or "pair"]
     else:
         how = next((each for each in TITLES if each in read_study(study)[1]), kind_of_file(study))
-    results = Path("results") / f"{study.stem}.h5"
+    results = default_output(study, "run" if how in POINT_TITLES else how)
+    quoted_study = shlex.quote(str(study))
+    quoted_results = shlex.quote(str(results))
     steps = {
-        f"pound check {study}": "checks it; repeat after every change",
-        f"pound {how} {study}": f"writes {results} and prints a summary",
+        f"pound check {quoted_study}": "checks it; repeat after every change",
+        f"pound {how} {quoted_study}": f"writes {results} and prints a summary",
     }
     if how == "run":
-        steps[f"pound show {results} storey"] = "shows shears and ductilities, storey by storey"
-        steps[f"pound report {results}"] = f"draws {results.with_suffix('') / 'report.html'}, figures, tables"
-    click.echo(f"wrote {', '.join(map(str, written))}\nNext, change it as you like, and:")
+        steps[f"pound show {quoted_results} storey"] = "shows shears and ductilities, storey by storey"
+        steps[f"pound report {quoted_results}"] = f"draws {results.with_suffix('') / 'report.html'}, figures, tables"
+    click.echo(f"wrote {', '.join(map(str, written))}")
+    missing = find_missing_motions(study)
+    if missing:
+        click.echo(
+            f"First put {' and '.join(missing)} beside it, which come from elsewhere: its comments say where from."
+        )
+    click.echo("Next, change it as you like, and:")
     for line, what in steps.items():
         click.echo(f"  {line:<{max(map(len, steps))}}   {what}")
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,8 +13,8 @@ from scipy.optimize import brentq
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.imports.building import Choices, ImportedBuilding
 from pounding_cli.imports.headings import HEADINGS_OF_DIRECTION, STEP_NUMBER_HEADINGS, STOREY_HEADINGS
-from pounding_cli.imports.rows import select_case
-from pounding_cli.imports.tables import ProgramColumn, ProgramRow, ProgramTable, TableFile
+from pounding_cli.imports.rows import TOTALS, select_case
+from pounding_cli.imports.tables import ProgramColumn, ProgramRow, ProgramTable, TableFile, normalize_name
 from pounding_cli.numbers import join_limited
 from pounding_cli.reading import shorten_path
 from pounding_cli.report.style import finish, grid, shared_legend, with_style
@@ -32,6 +32,9 @@ MIN_YIELD = 0.3
 MAX_BEND = 0.02
 """Largest distance of a curve from a straight line, over its largest shear, at which it counts as straight [-]."""
 
+MAX_DROP = 1e-3
+"""Largest loss of shear, over the largest shear of a curve, within which it still lies on its plateau [-]."""
+
 MAX_FIT_ERROR = 0.10
 """Mean distance of a curve from its two lines, over its largest shear, beyond which a warning is due [-]."""
 
@@ -46,12 +49,19 @@ class PushoverCurve:
     storey : its name
     drift [m], shear [N] : rising from 0; shape (n,)
     softening : the largest shear over that of the last point, where the curve falls after its peak; 1 where it does not
+    fall_drift [m], fall_shear [N] : from the peak to the last point; shape (m,)
+    is_reversed : True where drift or shear were negative
+    end_row : row of the table before which the curve ends, since its drift does not grow there; 0 where it goes on
     """
 
     storey: str
     drift: np.ndarray
     shear: np.ndarray
     softening: float = 1.0
+    fall_drift: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    fall_shear: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    is_reversed: bool = False
+    end_row: int = 0
 
 
 @dataclass(frozen=True)
@@ -60,7 +70,8 @@ class Fit:
 
     stiffness [N/m], yield_shear [N], hardening [-] : of the two lines
     mean_error, max_error : distance of curve and lines over the largest shear [-], mean over the drift, and largest
-    yields : False where the curve is straight up to its end, which the yield shear is then
+    yields : False where the curve is straight up to its end, which the yield shear is then; where it falls after that,
+        it yields there
     """
 
     stiffness: float
@@ -89,7 +100,8 @@ def fit_two_lines(curve: PushoverCurve) -> Fit:
     largest = float(curve.shear[-1])
     straight = float(np.dot(curve.drift, curve.shear) / np.dot(curve.drift, curve.drift))
     if np.abs(curve.shear - straight * curve.drift).max() <= MAX_BEND * largest:
-        return _measure_fit(curve, straight, largest, DEFAULT_HARDENING, yields=False)
+        falls = curve.softening > 1.0 + MAX_DROP
+        return _measure_fit(curve, straight, largest, 0.0 if falls else DEFAULT_HARDENING, yields=falls)
 
     def first_stiffness(yield_shear: float) -> float:
         shear = PART_OF_YIELD * yield_shear
@@ -101,7 +113,10 @@ def fit_two_lines(curve: PushoverCurve) -> Fit:
         beyond = 0.5 * (yield_shear + largest) * (curve.drift[-1] - yield_drift)
         return float(below + beyond - trapezoid(curve.shear, curve.drift))
 
-    yield_shear = float(brentq(excess_area, MIN_YIELD * largest, largest, xtol=1e-12 * largest))
+    excess = excess_area(largest) / (largest * float(curve.drift[-1]))
+    has_plateau = -MAX_DROP <= excess <= 1e-9
+    low = MIN_YIELD * largest
+    yield_shear = largest if has_plateau else float(brentq(excess_area, low, largest, xtol=1e-12 * largest))
     stiffness = first_stiffness(yield_shear)
     beyond = float(curve.drift[-1]) - yield_shear / stiffness
     if beyond <= 0.0:
@@ -139,7 +154,9 @@ def read_curves(tables: TableFile, choices: Choices) -> tuple[list[PushoverCurve
     quantities = HEADINGS_OF_DIRECTION[choices.direction]
     table = tables.find_table_with(STOREY_HEADINGS, quantities["drift"], quantities["shear"])
     if table is None:
-        message = f"no table has the columns storey, drift and shear; the file has {tables.list_titles()}"
+        there = [f"'{each.title}' with {', '.join(column.name for column in each.columns)}" for each in tables.tables]
+        shown = join_limited([escape_controls(each) for each in there], 300)
+        message = f"no table has the columns storey, drift and shear; the file has {shown}"
         hint = "write a row for each storey and step, with the headings `storey, drift [mm], shear [kN]`"
         raise InputError(Problem(message, hint, shorten_path(tables.path)))
     storey = table.get_column(STOREY_HEADINGS, "name of the storey")
@@ -147,6 +164,8 @@ def read_curves(tables: TableFile, choices: Choices) -> tuple[list[PushoverCurve
     shear = table.get_column(quantities["shear"], "storey shear")
     rows, case = select_case(table, shear, choices, "that pushes the frame over")
     names = list(dict.fromkeys(table.read_text(row, storey) for row in rows))
+    if not rows:
+        raise table.refuse("has no row", "write a row for each storey and step below the headings")
     curves = [
         _build_curve(table, [row for row in rows if table.read_text(row, storey) == name], name, drift, shear)
         for name in names
@@ -165,10 +184,13 @@ def _build_curve(
         rows = sorted(rows, key=lambda row: table.read_number(row, step))
     drifts = np.array([table.read_quantity(row, drift, "m") for row in rows])
     shears = np.array([table.read_quantity(row, shear, "N") for row in rows])
+    is_reversed = False
     if drifts[np.argmax(np.abs(drifts))] < 0.0:
         drifts = -drifts
+        is_reversed = True
     if shears[np.argmax(np.abs(shears))] < 0.0:
         shears = -shears
+        is_reversed = True
     shown = escape_controls(name)
     if drifts[0] != 0.0 and shears[0] != 0.0:
         drifts = np.insert(drifts, 0, 0.0)
@@ -177,25 +199,48 @@ def _build_curve(
     if drifts[0] != 0.0 or shears[0] != 0.0:
         hint = "begin the curve with drift 0 and shear 0: take what gravity gives off both"
         raise table.refuse(f"the curve of storey '{shown}' does not begin at the origin", hint, rows[0], drift)
-    peak = int(np.argmax(shears))
+    first_peak = int(np.argmax(shears))
+    does_not_grow = np.diff(drifts) <= 0.0
+    does_not_grow[:first_peak] = False
+    end_row = 0
+    if does_not_grow.any():
+        end = int(np.argmax(does_not_grow)) + 1
+        end_row = rows[end][0]
+        drifts = drifts[:end]
+        shears = shears[:end]
+    on_plateau = np.flatnonzero(shears >= (1.0 - MAX_DROP) * shears[first_peak])
+    peak = int(on_plateau[-1])
     if peak < 2:
         message = f"the curve of storey '{shown}' has fewer than two points beyond the origin before its largest shear"
         raise table.refuse(message, "give more steps", rows[0], shear)
     falling = np.flatnonzero(np.diff(drifts[: peak + 1]) <= 0.0)
     if falling.size:
         message = f"the drift of storey '{shown}' does not grow from the step before"
-        raise table.refuse(
-            message, "give the steps in their order, each drift larger", rows[int(falling[0]) + 1], drift
-        )
-    return PushoverCurve(name, drifts[: peak + 1], shears[: peak + 1], float(shears[peak] / max(shears[-1], 1e-300)))
+        hint = "give the steps in their order, each drift larger; take repeated rows and unloading out"
+        raise table.refuse(message, hint, rows[int(falling[0]) + 1], drift)
+    softening = float(shears[first_peak] / max(shears[-1], 1e-300))
+    return PushoverCurve(
+        name,
+        drifts[: peak + 1],
+        shears[: peak + 1],
+        softening,
+        drifts[peak:],
+        shears[peak:],
+        is_reversed,
+        end_row,
+    )
 
 
-def apply_curves(building: ImportedBuilding, curves: Sequence[PushoverCurve], path: str) -> dict[str, Fit]:
+def apply_curves(
+    building: ImportedBuilding, curves: Sequence[PushoverCurve], path: str, has_other_towers: bool = False
+) -> dict[str, Fit]:
     """Set stiffness, yield shear and hardening of a building from the curves of its storeys; return the fits by storey.
+
+    has_other_towers : some curves may be of storeys of other towers
 
     Raises
     ------
-    InputError : a storey has no curve, or a curve has no fit
+    InputError : a storey has no curve, a curve has no storey, or a curve has no fit
     """
     by_name = {curve.storey: curve for curve in curves}
     missing = [escape_controls(name) for name in building.names if name not in by_name]
@@ -203,6 +248,13 @@ def apply_curves(building: ImportedBuilding, curves: Sequence[PushoverCurve], pa
         there = join_limited([escape_controls(name) for name in by_name], 300)
         message = f"no curve of storey {join_limited(missing, 300)}; the curves are of {there}"
         raise InputError(Problem(message, "give one for each storey, with the names of the table of storeys", path))
+    no_storeys = {"base", *TOTALS}
+    names = [name for name in by_name if normalize_name(name) not in no_storeys]
+    others = [escape_controls(name) for name in names if name not in building.names]
+    if others and not has_other_towers:
+        there = join_limited([escape_controls(name) for name in building.names], 300)
+        message = f"no height and mass of storey {join_limited(others, 300)}; the storeys are {there}"
+        raise InputError(Problem(message, "give them in the table of storeys, or take the curve out", path))
     fits: dict[str, Fit] = {}
     problems = []
     for name in building.names:
@@ -218,8 +270,22 @@ def apply_curves(building: ImportedBuilding, curves: Sequence[PushoverCurve], pa
     building.yield_shear = np.array([fits[name].yield_shear for name in building.names])
     building.hardening = np.array([fits[name].hardening for name in building.names])
     building.notes.append("stiffness, yield shear, hardening: two lines of equal area (FEMA 356, 3.3.3.2.4)")
+    building.notes += _list_changes([by_name[name] for name in building.names])
     building.warnings += [warning for name in building.names for warning in _list_doubts(by_name[name], fits[name])]
     return fits
+
+
+def _list_changes(curves: Sequence[PushoverCurve]) -> list[str]:
+    """Return what was changed or left out of curves."""
+    notes = []
+    reversed_names = [escape_controls(curve.storey) for curve in curves if curve.is_reversed]
+    if reversed_names:
+        notes.append(f"negative, and taken with the other sign: storey {join_limited(reversed_names, 200)}")
+    for curve in curves:
+        if curve.end_row:
+            name = escape_controls(curve.storey)
+            notes.append(f"the curve of storey '{name}' ends before row {curve.end_row}, where its drift does not grow")
+    return notes
 
 
 def _list_doubts(curve: PushoverCurve, fit: Fit) -> list[str]:
@@ -232,7 +298,11 @@ def _list_doubts(curve: PushoverCurve, fit: Fit) -> list[str]:
             f"{fit.yield_shear / 1e3:.6g} kN, the largest that it reached, is a lower bound, and its hardening of "
             f"{fit.hardening:g} the default"
         )
-    if curve.softening > 1.001:
+    if fit.yields and fit.hardening == 0.0 and fit.yield_shear / fit.stiffness > 0.95 * float(curve.drift[-1]):
+        doubts.append(
+            f"storey '{name}' is straight up to its peak and falls then: its yield shear is the peak, its hardening 0"
+        )
+    if curve.softening > 1.0 + MAX_DROP:
         share = 100.0 * (1.0 - 1.0 / curve.softening)
         doubts.append(
             f"storey '{name}' loses {share:.3g} % of its shear after the peak: the lines end there, and a study with "
@@ -255,6 +325,10 @@ def draw_fits(curves: Sequence[PushoverCurve], fits: dict[str, Fit], title: str)
         corner = min(fit.yield_shear / fit.stiffness, float(curve.drift[-1]))
         ends = np.array([0.0, corner, float(curve.drift[-1])])
         ax.plot(1e3 * curve.drift, curve.shear / 1e3, color="black", lw=1.6, label="pushover curve")
+        if curve.softening > 1.0 + MAX_DROP:
+            ax.plot(
+                1e3 * curve.fall_drift, curve.fall_shear / 1e3, color="0.6", lw=1.2, label="beyond the peak, left out"
+            )
         ax.plot(1e3 * ends, fit.shear_at(ends) / 1e3, color="#D55E00", lw=1.4, dashes=(5, 2), label="two lines")
         ax.plot([1e3 * corner], [fit.shear_at(np.array([corner]))[0] / 1e3], "o", color="#D55E00", ms=4)
         state = "" if fit.yields else ", does not yield"

@@ -6,9 +6,27 @@ from collections.abc import Sequence
 
 from pounding_cli.imports.building import Choices
 from pounding_cli.imports.headings import CASE_HEADINGS, TOWER_HEADINGS
-from pounding_cli.imports.tables import ProgramColumn, ProgramRow, ProgramTable
+from pounding_cli.imports.tables import ProgramColumn, ProgramRow, ProgramTable, normalize_name
 from pounding_cli.numbers import join_limited, pluralize
 from pounding_cli.texts import escape_controls
+
+TOTALS = {"total", "totals", "grandtotal", "sum", "sums", "sumtotal", "summe", "gesamt", "somme", "suma", "toplam"}
+"""Names of rows that are sums of the others, by their letters."""
+
+
+def leave_out_totals(
+    table: ProgramTable, rows: Sequence[ProgramRow], storey: ProgramColumn
+) -> tuple[list[ProgramRow], list[str]]:
+    """Return the rows of storeys, and a note of every row that is a total."""
+    rows_of_storeys = []
+    notes = []
+    for row in rows:
+        name = table.read_text(row, storey)
+        if normalize_name(name) in TOTALS:
+            notes.append(f"left out: row {row[0]} of '{table.title}', '{escape_controls(name)}'")
+        else:
+            rows_of_storeys.append(row)
+    return rows_of_storeys, notes
 
 
 def select_tower(table: ProgramTable, rows: Sequence[ProgramRow], choices: Choices) -> list[ProgramRow]:
@@ -16,13 +34,19 @@ def select_tower(table: ProgramTable, rows: Sequence[ProgramRow], choices: Choic
     column = table.find_column(TOWER_HEADINGS)
     if column is None:
         return list(rows)
-    towers = list(dict.fromkeys(table.read_text(row, column) for row in rows))
+    towers = [tower for tower in dict.fromkeys(table.read_text(row, column) for row in rows) if tower]
     if choices.tower in towers:
-        return [row for row in rows if table.read_text(row, column) == choices.tower]
+        nameless = [row for row in rows if not table.read_text(row, column)]
+        if nameless and len(towers) > 1:
+            raise table.refuse("is empty", "write the tower in every row", nameless[0], column)
+        return [row for row in rows if table.read_text(row, column) in (choices.tower, "")]
     if len(towers) > 1 or choices.tower:
         there = join_limited([escape_controls(tower) for tower in towers], 300)
-        message = f"no tower '{choices.tower}'" if choices.tower else f"has {pluralize(len(towers), 'tower')}"
-        raise table.refuse(f"{message}: {there}", f"name one, e.g. --tower {escape_controls(towers[0])}")
+        message = f"has {pluralize(len(towers), 'tower')}"
+        if choices.tower:
+            message = f"has no tower '{escape_controls(choices.tower)}'"
+        example = escape_controls(towers[0]) if towers else "T1"
+        raise table.refuse(f"{message}: {there or 'the cells are empty'}", f"name one, e.g. --tower {example}")
     return list(rows)
 
 
@@ -63,10 +87,15 @@ def select_case(
     """
     case = table.find_column(CASE_HEADINGS)
     rows = select_tower(table, table.rows, choices)
+    if case is None and choices.case:
+        message = f"has no column of load cases, so that --case {escape_controls(choices.case)} has no effect"
+        raise table.refuse(message, "leave --case out, or export the column with the load cases")
     if case is None:
         return rows, ""
     cases = list(dict.fromkeys(table.read_text(row, case) for row in rows))
     chosen = choices.case or (cases[0] if len(cases) == 1 else "")
+    if not cases:
+        raise table.refuse("has no row", "export it with the results of a load case")
     if chosen in cases and chosen:
         return [row for row in rows if table.read_text(row, case) == chosen], chosen
     useful = [each for each in cases if _is_filled(table, rows, case, each, column)]

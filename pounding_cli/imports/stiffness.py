@@ -14,8 +14,8 @@ from pounding_cli.imports.headings import (
     STEP_TYPE_HEADINGS,
     STOREY_HEADINGS,
 )
-from pounding_cli.imports.rows import get_row, select_case
-from pounding_cli.imports.tables import ProgramColumn, ProgramRow, ProgramTable
+from pounding_cli.imports.rows import TOTALS, get_row, select_case
+from pounding_cli.imports.tables import ProgramColumn, ProgramRow, ProgramTable, normalize_name
 from pounding_cli.numbers import join_limited
 from pounding_cli.texts import escape_controls
 
@@ -38,7 +38,14 @@ def read_stiffness(table: ProgramTable, column: ProgramColumn, building: Importe
         _compare_with_drift(table, row, column, name, building, direction)
     building.stiffness = np.array(stiffnesses)
     of_case = f", load case {escape_controls(case)}" if case else ""
+    of_case += f", step {escape_controls(choices.step)}" if choices.step else ""
     building.notes.append(f"stiffness: {table.describe_column(column)}{of_case}, direction {direction}")
+    no_storeys = {"base", *TOTALS}
+    others = [name for name in by_name if name not in building.names and normalize_name(name) not in no_storeys]
+    if others and not choices.tower:
+        message = f"storey '{escape_controls(others[0])}' has a stiffness, but no height and mass"
+        hint = "export all storeys, with one name for a storey in all tables"
+        raise table.refuse(message, hint, by_name[others[0]], storey)
 
 
 def _pick_step(
@@ -62,7 +69,10 @@ def _pick_step(
             steps = {" ".join(filter(None, (table.read_text(each, c) for c in step_columns))): 0 for each in rows}
             there = join_limited([escape_controls(step) for step in steps if step], 200) or "without names"
             message = f"storey '{escape_controls(name)}' has another value in row {first[0]}; the steps are {there}"
-            raise table.refuse(message, "choose one, e.g. --step Max, or another load case", row, column)
+            hint = "choose one, e.g. --step Max, or another load case"
+            if not any(steps):
+                hint = "leave one row for each storey, or export the column with the load cases"
+            raise table.refuse(message, hint, row, column)
     return by_name
 
 

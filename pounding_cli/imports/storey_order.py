@@ -75,14 +75,16 @@ def find_order(
     InputError : nothing shows the order
     """
     places = list(range(len(names)))
-    if choices.order:
-        return (places if choices.order == "up" else places[::-1]), f"--order {choices.order}"
     if len(places) == 1:
         return places, "one storey"
     elevation = table.find_column(ELEVATION_HEADINGS)
     if elevation is not None:
         levels = [table.read_number(row, elevation) for row in rows]
-        return sorted(places, key=lambda place: levels[place]), f"by {table.describe_column(elevation)}"
+        by_level = sorted(places, key=lambda place: levels[place])
+        if choices.order and by_level != (places if choices.order == "up" else places[::-1]):
+            message = f"--order {choices.order} contradicts the column '{elevation.name}'"
+            raise table.refuse(message, "leave --order out, or correct the column", rows[0], elevation)
+        return by_level, f"by {table.describe_column(elevation)}"
     evidence: dict[str, list[int]] = {}
     if base_order:
         side = "first" if base_order[0] == "up" else "last"
@@ -90,9 +92,14 @@ def find_order(
     steps = np.diff(shears)
     if steps.size and ((steps < 0).all() or (steps > 0).all()):
         evidence["the storey shears grow towards the ground"] = places if (steps < 0).all() else places[::-1]
-    numbers = _find_numbers(names)
+    numbers = find_numbers(names)
     if numbers:
         evidence["by the numbers in the names"] = sorted(places, key=lambda place: numbers[place])
+    if choices.order:
+        chosen = places if choices.order == "up" else places[::-1]
+        against = [reason for reason, order in evidence.items() if order != chosen]
+        doubt = f", against the evidence: {'; '.join(against)}" if against else ""
+        return chosen, f"--order {choices.order}{doubt}"
     hint = "give --order up, or --order down; or export the elevations"
     if not evidence:
         message = "nothing shows whether the storeys stand from the ground up or from the roof down"
@@ -103,9 +110,12 @@ def find_order(
     return next(iter(evidence.values())), next(iter(evidence))
 
 
-def _find_numbers(names: Sequence[str]) -> list[int]:
-    """Return the numbers in names such as Story1, Story2, which differ in nothing else; none in other names."""
-    matches = [re.fullmatch(r"(\D*)(\d+)(\D*)", name) for name in names]
+def find_numbers(names: Sequence[str]) -> list[int]:
+    """Return the numbers in names such as Story1, Story2, which differ in nothing else; none in other names.
+
+    A minus counts where it does not join a word and a number: of `-1`, not of `Story-1`.
+    """
+    matches = [re.fullmatch(r"(|\D*\s|\D*(?=\d))(-?\d+)(\D*)", name) for name in names]
     kinds = {(match[1].strip(), match[3].strip()) for match in matches if match}
     numbers = [int(match[2]) for match in matches if match]
     is_numbered = len(numbers) == len(names) and len(kinds) == 1 and len(set(numbers)) == len(names)

@@ -5,16 +5,17 @@ from __future__ import annotations
 import csv
 import hashlib
 import io
+import itertools
 import math
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.imports.units import NO_UNITS, SYSTEM_HINT, find_factor
+from pounding_cli.imports.units import NO_UNITS, SYSTEM_HINT, find_factor, is_unit
 from pounding_cli.numbers import join_limited
 from pounding_cli.reading import read_bytes, shorten_path
 from pounding_cli.texts import escape_controls
@@ -28,8 +29,8 @@ MAX_UNPACKED_SIZE = 1_000_000_000
 MAX_ROWS = 200_000
 """Rows of a table."""
 
-_PEEKED_ROWS = 4
-"""Rows that show title, headings and units of a table."""
+_PEEKED_ROWS = 8
+"""Rows that show titles, headings and units of a table."""
 
 QUANTITY_OF_UNIT = {"m": "length", "kg": "mass", "N": "force", "N/m": "stiffness", "s": "time"}
 """SI unit -> what it measures."""
@@ -66,6 +67,7 @@ class ProgramTable:
     sheet : of a workbook; "" for a CSV file
     load_rows : returns all rows of the sheet or file
     system : factors to SI of columns without a unit, by SI unit; empty: they are refused
+    decimals : how the numbers of its file are written
     """
 
     title: str
@@ -74,15 +76,16 @@ class ProgramTable:
     first_rows: tuple[ProgramRow, ...]
     load_rows: Callable[[], Iterable[ProgramRow]]
     system: dict[str, float]
+    decimals: Decimals = field(default_factory=lambda: Decimals("", False))
 
     @cached_property
     def _head(self) -> tuple[int, ProgramRow, ProgramRow | None]:
         """Number of rows above the first values, the row of headings, and the row of units."""
-        has_title = count_filled(self.first_rows[0]) == 1 and len(self.first_rows) > 1
-        heading_place = 1 if has_title else 0
+        titles = list(itertools.takewhile(lambda row: count_filled(row) == 1, self.first_rows))
+        heading_place = len(titles) if len(titles) < len(self.first_rows) else 0
         headings = self.first_rows[heading_place]
         below = self.first_rows[heading_place + 1 : heading_place + 2]
-        if below and not any(format_cell(cell)[:1].isdigit() for cell in below[0][1]):  # a row of values has numbers
+        if below and _is_row_of_units(headings, below[0]):
             return heading_place + 2, headings, below[0]
         return heading_place + 1, headings, None
 
@@ -140,8 +143,15 @@ class ProgramTable:
         if column is None:
             there = join_limited([escape_controls(each.name) for each in self.columns], 300)
             message = f"{self.words} has no column '{names[0]}' ({meaning}); it has {there}"
-            hint = f"export it with one of the headings {', '.join(names)}"
+            headings = ", ".join(dict.fromkeys(names))
+            hint = f"export it with one of the headings {headings}; a unit stands in brackets or in the row below"
             raise InputError(Problem(message, hint, shorten_path(self.path), self._head[1][0], 1))
+        alike = [each for each in self.columns if normalize_name(each.name) == normalize_name(column.name)]
+        if len(alike) > 1:
+            message = f"{self.words} has {len(alike)} columns '{escape_controls(column.name)}' ({meaning})"
+            hint = "leave the one that counts, or give the others another heading"
+            place = alike[1].place + 1
+            raise InputError(Problem(message, hint, shorten_path(self.path), self._head[1][0], place))
         return column
 
     def read_text(self, row: ProgramRow, column: ProgramColumn) -> str:
@@ -194,6 +204,8 @@ class ProgramTable:
             )
             units_row = self._head[2] or self._head[1]
             hint = f"write a unit of {quantity} there, e.g. {si}"
+            if si == "kg" and find_factor(column.unit, "N") is not None:
+                hint += "; a weight is a mass times g: divide it by 9.81 m/s²"
             raise InputError(Problem(message, hint, shorten_path(self.path), units_row[0], column.place + 1))
         return factor
 
@@ -211,6 +223,29 @@ class ProgramTable:
         """Return table, column and unit in words."""
         unit = f" [{column.unit}]" if column.unit.strip().lower() not in NO_UNITS else ""
         return f"'{self.title}', column {column.name}{unit}"
+
+
+@dataclass(frozen=True)
+class Decimals:
+    """How the numbers of a CSV file are written.
+
+    example : a number with a decimal comma; "" where decimal signs are points
+    is_ambiguous : True where the sign of every number may part thousands: three digits follow each one
+    """
+
+    example: str
+    is_ambiguous: bool
+
+
+def _is_row_of_units(headings: ProgramRow, row: ProgramRow) -> bool:
+    """Return whether the row below the headings holds units: no number, and a unit or nothing in its first column."""
+    cells = [format_cell(cell) for cell in row[1]]
+    if any(re.match(r"[-+]?[.,]?\d", cell) for cell in cells):
+        return False
+    first = next(place for place, heading in enumerate(headings[1]) if format_cell(heading))
+    if first >= len(cells) or not cells[first]:
+        return True
+    return any(cell and is_unit(cell) for cell in cells)
 
 
 def count_filled(row: ProgramRow) -> int:
@@ -239,25 +274,47 @@ class TableFile:
     tables: tuple[ProgramTable, ...]
 
     def find_table(self, names: Sequence[str]) -> ProgramTable | None:
-        """Return the first table of one of these names; None where there is none.
+        """Return the table of the first of these names that there is; None where there is none.
 
         A sheet holds at most 31 characters of a name.
+
+        Raises
+        ------
+        InputError : several tables have the name
         """
         wanted = [normalize_name(name) for name in names]
         for name in wanted:
+            found = []
             for table in self.tables:
                 titles = {normalize_name(table.title), normalize_name(table.sheet)}
                 is_cut = len(table.sheet) == 31 and name.startswith(normalize_name(table.sheet))
                 if name in titles or is_cut:
-                    return table
+                    found.append(table)
+            if found:
+                return self._take_only(found)
         return None
 
     def find_table_with(self, *columns: Sequence[str]) -> ProgramTable | None:
-        """Return the first table that has a column of each of these lists of names; None where there is none."""
-        for table in self.tables:
-            if all(table.find_column(names) for names in columns):
-                return table
-        return None
+        """Return the table that has a column of each of these lists of names; None where there is none.
+
+        Raises
+        ------
+        InputError : there are several
+        """
+        found = [table for table in self.tables if all(table.find_column(names) for names in columns)]
+        return self._take_only(found) if found else None
+
+    def _take_only(self, found: Sequence[ProgramTable]) -> ProgramTable:
+        """Return the only one of some tables.  Raises InputError: there are several."""
+        if len(found) == 1:
+            return found[0]
+        names = [escape_controls(table.sheet or table.path.name) for table in found]
+        message = f"{len(found)} tables could be meant: {join_limited(names, 300)}"
+        raise InputError(Problem(message, "leave one of them in the file or folder", shorten_path(self.path)))
+
+    def list_decimals(self) -> list[Decimals]:
+        """Return how the numbers of its files are written, each way once."""
+        return list(dict.fromkeys(table.decimals for table in self.tables))
 
     def list_titles(self) -> str:
         """Return the titles of its tables in words."""
@@ -357,10 +414,13 @@ def _iter_first_rows(rows: Iterable[ProgramRow]) -> Iterator[ProgramRow]:
 
 
 def _find_title(first_rows: Sequence[ProgramRow], name: str) -> str:
-    """Return the title of a table: that of its first row, or the name of its sheet or file."""
-    if count_filled(first_rows[0]) > 1 or len(first_rows) == 1:
+    """Return the title of a table: that of a row above its headings, or the name of its sheet or file."""
+    rows = list(itertools.takewhile(lambda row: count_filled(row) == 1, first_rows))
+    titles = [next(filter(None, map(format_cell, row[1]))) for row in rows]
+    marked = [title for title in titles if re.match(r"table\s*:", title, re.IGNORECASE)]
+    if len(rows) == len(first_rows) or (len(titles) != 1 and not marked):
         return name
-    title = next(format_cell(cell) for cell in first_rows[0][1] if format_cell(cell))
+    title = (marked or titles)[0]
     return re.sub(r"^table\s*:\s*", "", title, flags=re.IGNORECASE).strip() or name
 
 
@@ -378,14 +438,14 @@ def _iter_csv_tables(path: Path, system: dict[str, float]) -> Iterator[ProgramTa
         text = content.decode("cp1252", errors="replace")
     if "\0" in text:
         raise InputError(Problem("this is not a text file", "name a CSV file or an .xlsx workbook", shorten_path(path)))
-    rows = _split_csv(text)
+    rows, decimals = _split_csv(text)
     first_rows = tuple(_iter_first_rows(rows))
     if first_rows:
-        yield ProgramTable(_find_title(first_rows, path.stem), path, "", first_rows, lambda: rows, system)
+        yield ProgramTable(_find_title(first_rows, path.stem), path, "", first_rows, lambda: rows, system, decimals)
 
 
-def _split_csv(text: str) -> list[ProgramRow]:
-    """Return the rows of a CSV file, whose columns are parted by commas, semicolons or tabs.
+def _split_csv(text: str) -> tuple[list[ProgramRow], Decimals]:
+    """Return the rows of a CSV file, whose columns are parted by commas, semicolons or tabs, and how it writes numbers.
 
     Where they are parted by semicolons or tabs and no cell has a decimal point, commas in numbers are decimal signs.
     """
@@ -398,9 +458,14 @@ def _split_csv(text: str) -> list[ProgramRow]:
     is_decimal_comma = delimiter != "," and not any(
         re.fullmatch(r"\s*-?\d*\.\d+(e[-+]?\d+)?\s*", cell, re.IGNORECASE) for _, cells in rows for cell in cells
     )
+    sign = "," if is_decimal_comma else r"\."
+    numbers = [cell.strip() for _, cells in rows for cell in cells if re.fullmatch(rf"\s*[-+]?\d+{sign}\d+\s*", cell)]
+    is_ambiguous = bool(numbers) and all(re.fullmatch(rf"[-+]?[1-9]\d{{0,2}}{sign}\d{{3}}", each) for each in numbers)
     if not is_decimal_comma:
-        return [(number, tuple(cells)) for number, cells in rows]
-    return [(number, tuple(map(_replace_decimal_comma, cells))) for number, cells in rows]
+        return rows, Decimals("", is_ambiguous and delimiter != ",")
+    example = numbers[0] if numbers else ""
+    replaced = [(number, tuple(map(_replace_decimal_comma, cells))) for number, cells in rows]
+    return replaced, Decimals(example, is_ambiguous)
 
 
 def _iter_csv_lines(lines: Sequence[str], delimiter: str) -> Iterator[tuple[int, list[str]]]:

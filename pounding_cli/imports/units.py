@@ -36,6 +36,17 @@ def find_factor(text: str, si: str) -> float | None:
     return None
 
 
+def is_unit(text: str) -> bool:
+    """Return whether a cell is a unit, or says that there is none."""
+    if text.strip().lower() in NO_UNITS:
+        return True
+    try:
+        parse_unit(_normalize(text))
+    except ValueError:
+        return False
+    return True
+
+
 def parse_system(text: str) -> dict[str, float]:
     """Return the factors to SI of a system of units such as `kN, m`: by SI unit.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import textwrap
+import unicodedata
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import date
@@ -37,8 +38,8 @@ class PlanSize:
 
 
 def clean_name(text: str) -> str:
-    """Return the name of a building for a study from any text."""
-    name = re.sub(r"[^A-Za-z0-9]+", "-", text).strip("-").lower()
+    """Return the name of a building for a study from any text: its letters, of any alphabet, and digits."""
+    name = re.sub(r"[\W_]+", "-", unicodedata.normalize("NFC", text)).strip("-").lower()
     if not name or name in ("y", "n", "yes", "no", "on", "off", "true", "false", "null", STAND_IN):
         return f"building-{name}".strip("-")
     return name if name[0].isalpha() else f"building-{name}"

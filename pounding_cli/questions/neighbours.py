@@ -58,13 +58,24 @@ def list_drawn_names(results: ResultTables, table: Table) -> list[str]:
     return [key.split(".")[1] for key in results.axes if is_sample_key(key) and not table.has(key)]
 
 
-def describe_seen(building: Mapping[str, Any], name: str) -> str:
+def describe_seen(
+    results: ResultTables, building_type: str, name: str = "", row: Mapping[Any, Any] | None = None
+) -> str:
     """Return what is known of a building that is only seen: "theirs (C1M, pre-code, 5 storeys)".
 
-    building : its keys with every default filled in
+    name : of the building where it stands; "": that of its type
+    row : of a table at a point of the sweep; without one, what is swept is left out
     """
-    seen = building[KEY]
-    return f"{name} ({seen['type']}, {seen['design']}, {pluralize(seen['storeys'], 'storey')})"
+    seen = results.study_data["buildings"][building_type][KEY]
+    path = f"buildings.{building_type}.{KEY}"
+    known = []
+    for key in ("type", "design", "storeys"):
+        is_swept = path in results.axes or f"{path}.{key}" in results.axes
+        value = seen[key] if not is_swept else (row or {}).get(f"{path}.{key}")
+        if value is not None:
+            known.append(pluralize(int(value), "storey") if key == "storeys" else str(value))
+    shown = name or building_type
+    return f"{shown} ({', '.join(known)})" if known else shown
 
 
 def note_median_buildings(results: ResultTables) -> str:
@@ -74,11 +85,11 @@ def note_median_buildings(results: ResultTables) -> str:
     for name in dict.fromkeys(results.study_data["group"]):
         archetype = buildings[name].get(KEY)
         if archetype and archetype["uncertain"] and archetype["sample"] == 0:
-            seen.append(describe_seen(buildings[name], name))
+            seen.append(describe_seen(results, name))
     if not seen:
         return ""
-    is_are = "is the median building" if len(seen) == 1 else "are the median buildings"
+    is_are = "is the median building of what it" if len(seen) == 1 else "are the median buildings of what they"
     return (
-        f"{join_limited(seen)} {is_are} of what it may be, seen from the street: `pound gap` and `pound fragility` "
+        f"{join_limited(seen, last=' and ')} {is_are} may be, seen from the street: `pound gap` and `pound fragility` "
         "answer over the others too, `pound check` lists the numbers with their sources."
     )

@@ -284,6 +284,8 @@ def load_text(path: Path, what: str = "motion file") -> TextFile:
         kind = next((name for sign, name in _BINARY if re.match(sign, raw)), "")
         hint = "export the acceleration as text, in one of the formats of docs/records.md" if kind else ""
         hint = hint or "unpack an archive; give a text file in one of the formats of docs/records.md"
+        if what != "motion file":
+            hint = f"export the {what} as text, e.g. as CSV"
         raise InputError(Problem(f"not a text file{f', but {kind}' if kind else ''}", hint, shorten_path(path)))
     decoded = _decode(raw).replace("\u2212", "-")
     lines = re.split(r"\r\n|\r|\n", _QUOTED_COMMA.sub(r'"\1.\2"', decoded) if '"' in decoded else decoded)

@@ -164,14 +164,13 @@ class Evidence:
 
 def format_point(results: ResultTables, row: Mapping[Any, Any]) -> str:
     """Return the swept keys of a row in the units of the study: "cases.gap.gap = 5 cm"; "" where it has none."""
-    words = [
-        f"the median building {key.split('.')[1]}"
-        if is_sample_key(key) and row[key] == 0
-        else f"{key} = {results.value_label(key, row[key])}"
-        for key in results.axes
-        if key in row
+    keys = [key for key in results.axes if key in row]
+    medians = [key.split(".")[1] for key in keys if is_sample_key(key) and row[key] == 0]
+    others = [
+        f"{key} = {results.value_label(key, row[key])}" for key in keys if not is_sample_key(key) or row[key] != 0
     ]
-    return ", ".join(words)
+    median = f"the median {'building' if len(medians) == 1 else 'buildings'} {' and '.join(medians)}"
+    return ", ".join([*others, *([median] if medians else [])])
 
 
 def list_acting_keys(results: ResultTables, case: str) -> list[str]:

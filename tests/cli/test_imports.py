@@ -11,6 +11,7 @@ import pytest
 import yaml
 
 from pounding_cli.api.studies import load_study
+from pounding_cli.imports.pushover import PushoverCurve, draw_fits, fit_two_lines
 
 STOREYS = 9
 MASS = np.array([220e3, *[200e3] * 7, 150e3])
@@ -538,3 +539,209 @@ def test_curves_without_masses_say_what_is_missing(folder, pound):
     assert code == 2
     assert "no table 'Mass Summary by Story'" in err
     assert "columns storey, height, mass" in err
+
+
+# Tables as they lie in offices: titles, totals, basements, gaps, other signs
+
+PLAIN = "Storey,Height [m],Mass [t],Stiffness [kN/mm],Yield shear [kN]"
+ROWS = ["3,3.2,150,107,1160", "2,3.2,200,179,1930", "1,4,210,214,2320"]
+
+
+def import_plain(folder, pound, *lines, options=()):
+    (folder / "plain.csv").write_text("\n".join(lines) + "\n")
+    return pound("import", "table", "plain.csv", *options)
+
+
+@pytest.mark.parametrize(
+    ("lines", "options", "words"),
+    [
+        ([PLAIN], [], ["has no row of a storey"]),
+        ([PLAIN.replace("Mass [t]", "Weight [kN]"), *ROWS], [], ["no column 'Mass'", "it has Storey, Height, Weight"]),
+        ([PLAIN.replace("Storey,", ""), *(row[2:] for row in ROWS)], [], ["no column 'Storey'", "plain.csv:1:1"]),
+        ([PLAIN.replace("[t]", "[kN]"), *ROWS], [], ["plain.csv:1:3", "not a unit of mass", "divide it by 9.81"]),
+        ([PLAIN.replace("Yield shear [kN]", "Hardening"), *ROWS], [], ["plain.csv:4:5", "row 4", "below 1"]),
+        ([PLAIN.replace("Yield shear", "Stiffness"), *ROWS], [], ["plain.csv:1:5", "2 columns 'Stiffness'"]),
+        ([PLAIN, *ROWS, ",10.4,560,,"], [], ["plain.csv:5:1", "is empty", "a total"]),
+        ([PLAIN + ",Tower", *(row + ",T1" for row in ROWS)], ["--tower", "T2"], ["has no tower 'T2': T1"]),
+        ([PLAIN, *ROWS], ["--tower", "T2"], ["--tower T2 has no effect"]),
+        ([PLAIN, *ROWS], ["--case", "EQX"], ["--case EQX has no effect"]),
+        ([PLAIN, *ROWS], ["--step", "Max"], ["--step Max has no effect"]),
+        ([PLAIN, *ROWS], ["--mode", "2"], ["--mode 2 has no effect"]),
+    ],
+)
+def test_wrong_plain_tables_are_refused_by_name(folder, pound, lines, options, words):
+    code, out, err = import_plain(folder, pound, *lines, options=options)
+    assert (code, out) == (2, "")
+    assert [word for word in words if word not in err] == [], err
+    assert not (folder / "plain.yaml").exists()
+
+
+@pytest.mark.parametrize(
+    ("lines", "words", "warnings"),
+    [
+        (["Report of 2026", "Tower of the north", PLAIN, *ROWS], ["3 storeys"], []),
+        ([PLAIN, *ROWS, "Total,10.4,560,,"], ["left out: row 5 of 'plain', 'Total'", "1, 2, 3"], []),
+        ([PLAIN + ",Remark", *(row + ",x" for row in ROWS)], ["columns left out: Remark"], []),
+        ([PLAIN, ROWS[0], ROWS[2]], ["2 storeys"], ["leave out the number 2"]),
+        ([PLAIN, "-1,3,300,900,9000", "-2,3,300,900,9000", ROWS[2]], ["up -2, -1, 1"], ["-2, -1 sound as if below"]),
+        ([PLAIN.replace(",", ";"), "1;4;210,5;200;900"], ["decimal commas: '210,5' is 210.5"], []),
+        ([PLAIN.replace(",", ";"), "1;4;210.000;214.000;900"], ["1 storey"], ["three digits stand behind every point"]),
+        ([PLAIN, "Roof,,,,", *ROWS], [], None),
+        ([f"{PLAIN},Tower", *(f"{row}," for row in ROWS[:2]), f"{ROWS[2]},T1"], ["3 storeys"], []),
+    ],
+)
+def test_plain_tables_say_what_was_left_out_or_guessed(folder, pound, lines, words, warnings):
+    """A row without numbers is no row of units: None for a refusal."""
+    code, out, err = import_plain(folder, pound, *lines)
+    if warnings is None:
+        assert code == 2
+        assert "row 2" in err
+        return
+    assert code == 0, err
+    assert [word for word in words if word not in out] == [], out
+    assert [word for word in warnings if word not in err] == [], err
+    assert bool(err) == bool(warnings)
+
+
+@pytest.mark.parametrize(
+    ("change", "code", "words"),
+    [
+        (drop_row("Story Definitions", 2), 2, ["row 4, column 'Story'", "'Story9' has a mass, but no row in 'Story"]),
+        (
+            lambda sheets: sheets["Mass Summary by Story"].append(["Total", 1770, 1770, 0]),
+            0,
+            ["left out: row 13 of 'Mass Summary by Story', 'Total'"],
+        ),
+        (
+            lambda sheets: sheets["Story Stiffness"].append(["Story10", "EQX", "", None, 1, 1, 1, 1, 0, 0, 0, 0]),
+            2,
+            ["'Story10' has a stiffness, but no height and mass"],
+        ),
+        (
+            lambda sheets: [rows.insert(0, ["Tower of the north"]) for rows in sheets.values()],
+            0,
+            ["height: 'Story Definitions'", "the same within"],
+        ),
+        (lambda sheets: sheets["Story Stiffness"].__delitem__(slice(2, None)), 2, ["'Story Stiffness' has no row"]),
+    ],
+)
+def test_a_storey_is_never_lost(folder, pound, change, code, words):
+    sheets = layout("v18")
+    change(sheets)
+    write_book(sheets, folder / "tower.xlsx")
+    found, out, err = pound("import", "etabs", "tower.xlsx", "--case", "EQX")
+    assert found == code, err
+    assert [word for word in words if word not in out + err] == [], out + err
+
+
+def test_two_tables_that_could_be_meant_are_refused(folder, pound):
+    rows = [PLAIN.split(","), *(row.split(",") for row in ROWS)]
+    book = openpyxl.Workbook()
+    for name in ("North", "South"):
+        sheet = book.create_sheet(name)
+        for row in rows:
+            sheet.append(row)
+    book.save(folder / "towers.xlsx")
+    code, _, err = pound("import", "table", "towers.xlsx")
+    assert code == 2
+    assert "2 tables could be meant: North, South" in err
+    sheets = layout("v16")
+    sheets["Story Stiffness (2)"] = sheets["Story Stiffness"]
+    write_book(sheets, folder / "tower.xlsx")
+    book = openpyxl.load_workbook(folder / "tower.xlsx")
+    book["Story Stiffness (2)"]["A1"] = "TABLE:  Story Stiffness"
+    book.save(folder / "tower.xlsx")
+    code, _, err = pound("import", "etabs", "tower.xlsx")
+    assert code == 2
+    assert "Story Stiffness, Story Stiffness (2)" in err
+
+
+def test_an_order_against_the_evidence_is_told(folder, pound):
+    code, out, _ = import_plain(folder, pound, PLAIN, *ROWS, options=["--order", "up", "--name", "Büro Süd"])
+    assert code == 0
+    assert "wrote büro-süd.yaml" in out
+    assert "--order up, against the evidence: by the numbers in the names" in out
+    write_book(layout("v16"), folder / "tower.xlsx")
+    code, _, err = pound("import", "etabs", "tower.xlsx", "--order", "up")
+    assert code == 2
+    assert "--order up contradicts the column 'Elevation'" in err
+
+
+def test_a_base_below_the_ground_is_told(folder, pound):
+    sheets = layout("v16")
+    for row in sheets["Story Data"][2:]:
+        row[2] -= 4000.0
+    write_book(sheets, folder / "tower.xlsx")
+    code, _, err = pound("import", "etabs", "tower.xlsx")
+    assert code == 0
+    assert "the base lies 4 m below the ground (Elevation 0)" in err
+
+
+def test_a_wrong_unit_of_the_masses_is_told_as_such(folder, pound):
+    sheets = layout("v18")
+    sheets["Mass Summary by Story"][1] = [None, "kg", "kg", "kg"]
+    write_book(sheets, folder / "tower.xlsx")
+    code, out, err = pound("import", "etabs", "tower.xlsx", "--case", "EQX")
+    assert code == 0
+    assert "0.0316 times as long" in out
+    assert "check the units of masses" in err
+
+
+@pytest.mark.parametrize(
+    ("shear_of", "hardening", "words"),
+    [
+        (lambda x: min(x, 1.0), 0.0, []),
+        (lambda x: min(x, 1.0) - 1e-5 * x, 0.0, []),
+        (lambda x: min(x, 1.0) - 0.1 * max(x - 1.0, 0.0), 0.0, ["falls then", "loses 40 %"]),
+        (lambda x: -min(x, 1.0), 0.0, []),
+        (lambda x: 0.2 * x, 0.05, ["its yield shear is not known"]),
+    ],
+)
+def test_a_plateau_and_a_fall_after_the_elastic_part_are_yielding(folder, pound, shear_of, hardening, words):
+    write_storeys(folder)
+    write_curves(folder, shear_of, steps=501)
+    code, out, err = pound("import", "pushover", "curves.csv", "--storeys", "storeys.csv")
+    assert code == 0, err
+    assert [word for word in words if word not in err] == [], err
+    assert bool(err) == bool(words)
+    assert ("taken with the other sign" in out) == (shear_of(1) < 0)
+    building = load_study(folder / "curves.yaml").group((0,)).buildings[0]
+    k = FRAME.shear / FRAME.drift
+    if hardening == 0.0:
+        assert building.yield_shear == pytest.approx(0.012 * k, rel=1.1e-3)
+    assert building.hardening == pytest.approx(np.full(STOREYS, hardening), abs=1e-9)
+
+
+def test_the_picture_shows_what_lies_beyond_the_peak():
+    drift = np.linspace(0.0, 0.01, 11)
+    curve = PushoverCurve(
+        "1", drift, np.minimum(drift, 0.005) * 1e8, 2.0, np.array([0.01, 0.02]), np.array([5e5, 2.5e5])
+    )
+    figure = draw_fits([curve], {"1": fit_two_lines(curve)}, "fits")
+    lines = {line.get_label(): line for line in figure.axes[0].lines}
+    assert list(lines["beyond the peak, left out"].get_xdata()) == [10.0, 20.0]
+    assert figure.axes[0].get_xlim()[1] > 20.0
+
+
+def test_unloading_is_no_loss_of_strength(folder, pound):
+    write_storeys(folder)
+    write_curves(folder, lambda x: np.tanh(x) + 0.03 * x, steps=50)
+    lines = (folder / "curves.csv").read_text().splitlines()
+    for name in NAMES:
+        rows = [line for line in lines if line.startswith(f"{name},")]
+        number, drift = len(rows), float(rows[-1].split(",")[2])
+        lines += [f"{name},{number},{0.9 * drift},1", f"{name},{number + 1},{0.8 * drift},0"]
+    (folder / "curves.csv").write_text("\n".join(lines) + "\n")
+    code, out, err = pound("import", "pushover", "curves.csv", "--storeys", "storeys.csv")
+    assert (code, err) == (0, "")
+    assert out.count("where its drift does not grow") == STOREYS
+
+
+def test_a_curve_without_a_storey_is_refused(folder, pound):
+    write_storeys(folder)
+    lines = (folder / "storeys.csv").read_text().splitlines()
+    (folder / "storeys.csv").write_text("\n".join(lines[:-1]) + "\n")
+    write_curves(folder, lambda x: min(x, 1.0), steps=20)
+    code, _, err = pound("import", "pushover", "curves.csv", "--storeys", "storeys.csv")
+    assert code == 2
+    assert "no height and mass of storey Story9" in err

@@ -145,6 +145,46 @@ def test_the_answer_comes_first_and_says_of_which_building(pound):
     assert "theirs (W2, low-code, 2 storeys) is the median building of what it may be" in re.sub(r"\s+", " ", out)
 
 
+def test_two_neighbours_are_told_as_two(pound):
+    """And a study without a hazard curve has no rates to speak of."""
+    Path("seen.yaml").write_text(
+        STUDY.replace("  ours:", "  ours: {archetype: {type: W2, design: low-code, storeys: 2, neighbours: 4}}\n  was:")
+    )
+    code, out, _ = pound("gap", "seen.yaml")
+    assert code == 0
+    text = re.sub(r"\s+", " ", out)
+    assert "Over 4 buildings that ours (W2, low-code, 2 storeys) and theirs (W2, low-code, 2 storeys) may be" in text
+    assert "over both buildings, " in text
+    assert "At the median buildings ours and theirs: " in text
+    assert "All other numbers but the first ones are of the median buildings" in text
+    _, out, _ = pound("run", "seen.yaml")
+    assert "are the median buildings of what they may be" in re.sub(r"\s+", " ", out)
+
+
+def test_a_swept_type_is_told_as_it_is_there(pound):
+    """Fails where the type that the study writes is told of a point with another one."""
+    text = STUDY.replace("height: 3.66 m", "height: 3.05 m").replace("type: W2", "type: RM1L")
+    Path("seen.yaml").write_text(text + "sweep: {buildings.theirs.archetype.type: [C1L, C3L]}\n")
+    code, out, _ = pound("gap", "seen.yaml")
+    assert code == 0
+    told = re.findall(r"archetype\.type = (\w+), over 4 buildings that theirs \((\w+), low-code", " ".join(out.split()))
+    assert told
+    assert all(here == named for here, named in told)
+    _, out, _ = pound("run", "seen.yaml")
+    assert "theirs (low-code, 2 storeys) is the median building" in " ".join(out.split())
+
+
+def test_check_lists_the_first_point_of_a_sweep_and_warns_along_it(pound):
+    text = STUDY.replace("type: W2", "type: C1L").replace("height: 3.66 m", "height: 3.05 m").split("fragility")[0]
+    Path("two.yaml").write_text(text + "sweep: {buildings.theirs.archetype.storeys: [1, 3, 5]}\n")
+    code, out, err = pound("check", "two.yaml")
+    assert code == 0
+    assert "low-code, 1 storey (Hazus" in out
+    assert "at the first value of buildings.theirs.archetype.storeys" in out
+    assert re.search(r"period +0\.2000 s", out)
+    assert "two.yaml:10:52: theirs has 5 storeys, but C1L of HAZUS is of 1 to 3 storeys" in err
+
+
 def test_bootstrap_draws_neighbours_and_motions():
     """The interval of a probability covers that of many tables of both as often as it says, nearly."""
     random = np.random.default_rng(5)
@@ -173,6 +213,8 @@ def test_curves_are_wider_over_what_the_neighbour_may_be(pound):
             added = row["spread"] ** 2 - row["spread_of_median"] ** 2
             assert row["widening"] ** 2 == pytest.approx(max(added, 0.0), rel=1e-9)
         assert (row["spread"] == curves.loc[place, "spread"]) or np.isnan(row["spread"])
+        assert np.isfinite([row["spread"], row["median"]]).all() == (curves.loc[place, "outcome"] == "fitted")
+    assert "motions less than a step of the intensities" in re.sub(r"\s+", " ", out)
     assert rows["widening"].max() > 0
     # all of the 4 x 3 motions, with the drift capacity of each building, and by itself
     damage = results.table("fragility_motions").query("limit == 'slight damage' and state == 'alone'")

@@ -121,6 +121,20 @@ def test_street_is_drawn_to_scale(screened):
     assert [text.get_text() for text in figure.axes[0].texts] == ["2", "3", "1"]
 
 
+def test_low_buildings_are_seen_beside_a_tower(screened):
+    """A storey has one height in all lines; the tower makes its line taller. Fails where every line is as high."""
+    frame = pd.concat([screened[1].answer("screen").frame] * 2, ignore_index=True)
+    frame["row"] = range(len(frame))
+    frame.loc[0, "right_height"] = 90.0
+    figure = draw_street(frame, "street")
+    figure.draw_without_rendering()
+    boxes = [ax.patches[0] for ax in figure.axes[:2]]
+    scales = [box.get_window_extent().height / box.get_height() / figure.dpi for box in boxes]
+    assert scales[0] == pytest.approx(scales[1], rel=0.01)
+    assert 7.32 * scales[0] > 0.15  # inches
+    assert figure.axes[0].bbox.height > 1.5 * figure.axes[1].bbox.height
+
+
 def test_alike_pairs_share_their_histories(screened):
     """`mews` has the buildings of `mill`; of the worst pair the median buildings and those alone come on top."""
     _, results, outcome = screened
@@ -185,6 +199,11 @@ REFUSED = [
     ("0.35,1,0.3", "0.35 kN,1,0.3", "street.csv:4:37: period: '0.35 kN' is no period"),
     ("0.35,1,0.3", "0.35,1,", "street.csv:4:1: there is no hazard"),
     ("RM1L,low-code,,3,W2", "URML,high-code,,3,W2", "street.csv:4:11: HAZUS has no high-code design of URML"),
+    ("gap [cm]", "gap", "street.csv:2:34: 2.5 has no unit"),
+    ("pga [g]", "pga", "street.csv:2:38: 0.3 has no unit"),
+    ("2.5,0.3", "2.5,30", "street.csv:2:38: 30 g is no peak ground acceleration"),
+    ("mill,W2", "mill,C1", "'C1' is not a building type of HAZUS\n    did you mean 'C1L', 'C1M' or 'C1H'?"),
+    ("mill,W2", "mill,C1X", "'C1X' is not a building type of HAZUS\n    did you mean 'C1M'?"),
 ]
 
 
@@ -196,6 +215,51 @@ def test_faults_are_told_by_row_and_column(pound, old, new, message):
     assert code == 2
     assert message in err
     assert "Traceback" not in err
+
+
+NAMED = "left name,left type,left design,left storeys,right name,right type,right design,right storeys,gap [cm],"
+ONE = "A,C1M,low-code,5,B,C1L,low-code,3"
+
+
+@pytest.mark.parametrize(
+    ("last", "rows", "options", "message"),
+    [
+        ("pga [g]", [f"{ONE},4,0.3", "B,C1L,pre-code,3,C,C1L,low-code,3,4,0.3"], [], "'B' is another building here"),
+        ("pga [g]", ["A,C1M,low-code,5,A,C1M,low-code,5,4,0.3"], [], "street.csv:2:1: 'A' is the name of both"),
+        ("pga [g]", [f"{ONE},4,0.3"], ["--zone", "7"], "--zone: '7' is not a zone"),
+        (
+            "hazard",
+            [f"{ONE},4,", 'A,C1M,low-code,5,C,C1L,low-code,3,4,"{0.1 g: 0.01, 0.2 g: 0.02}"'],
+            ["--hazard", "{0.1 g: 0.02, 0.4 g: 1/475}"],
+            "street.csv:3:37: this is not a hazard curve",
+        ),
+    ],
+)
+def test_a_later_row_is_refused_before_anything_is_solved(pound, last, rows, options, message):
+    write_street(Path(), "\n".join([NAMED + last, *rows]) + "\n")
+    code, out, err = pound("screen", "street.csv", "--motions", "elcentro", "--duration", "3 s", *options)
+    assert (code, out) == (2, "")
+    assert message in err
+    assert not Path("results").exists()
+
+
+def test_what_is_doubtful_of_any_row_is_told(tmp_path):
+    """And commas are decimal signs where semicolons part the cells."""
+    rows = [f"{ONE},4,0.3", "B,C1L,low-code,3,C,W1,low-code,9,2.5,0.3", "C,W1,low-code,9,D,W1,low-code,1,300,0.3"]
+    table = "\n".join([NAMED + "pga [g]", *rows]).replace(",", ";").replace(".", ",") + "\n"
+    street = read_street(write_street(tmp_path, table), replace(SETTINGS, levels=("0.2 g", "0.3")))
+    assert street.pairs[1].gap == pytest.approx(0.025)
+    warnings = [str(warning) for warning in street.find_warnings()]
+    assert any("street.csv:3:" in each and "right has 9 storeys, but W1" in each for each in warnings)
+    assert any("street.csv:4:" in each and "gap is 3 m" in each for each in warnings)
+    assert any("--levels" in each and "has no unit" in each for each in warnings)
+
+
+def test_a_workbook_is_refused_as_a_table(pound):
+    Path("street.xlsx").write_bytes(b"PK\x03\x04" + bytes(100))
+    code, _, err = pound("screen", "street.xlsx")
+    assert code == 2
+    assert "export the table of neighbours as text, e.g. as CSV" in err
 
 
 def test_years_need_a_zone(pound):

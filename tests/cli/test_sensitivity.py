@@ -94,6 +94,14 @@ def first_sentence(results: ResultTables) -> str:
     return build_report(results).answer.sentences[0]
 
 
+def test_a_share_that_may_be_anything_is_not_told_as_a_number(results):
+    """18.5 with an interval of 0 to 53.6 is no share of the variance."""
+    unknown = NUMBERS["buildings.B.period"] | {"total": 18.5, "total_low": 0.0, "total_high": 53.6}
+    said = first_sentence(with_numbers(results, NUMBERS | {"buildings.B.period": unknown}))
+    assert "explains 1850 %" not in said
+    assert "how much of the variance it explains cannot be told from 16 samples" in said
+
+
 def test_the_first_sentence_names_the_most_influential_key_and_its_direction(results):
     """Fails if the least influential key is named, if rises is said for falls, or if its share is that of another."""
     place = "largest closing (case near, inelastic, mean of 2 motions): "

@@ -151,12 +151,13 @@ def _observe(
 def _compare_with_median(curve: FragilityCurve, of_median: FragilityCurve, neighbours: int) -> dict[str, float]:
     """Return the columns that compare a curve over what a neighbour may be with that of its median building.
 
-    Where the intensities at which motions hold and pass do not overlap, these scatter by less than the step: by 0.
+    Where the intensities at which motions hold and pass do not overlap with the median building, the capacities scatter
+    by less than the step: by 0. Where they do not overlap over all buildings there is no curve to compare.
     """
     medians = np.full(2, np.nan)
     spreads = np.full(2, np.nan)
     for number, each in enumerate((curve, of_median)):
-        if each.columns["outcome"] in (FitOutcome.FITTED, FitOutcome.SEPARATED):
+        if each.is_fitted or (each is of_median and each.columns["outcome"] == FitOutcome.SEPARATED):
             medians[number] = each.fits.median[0]
             spreads[number] = each.fits.spread[0]
     median, median_of_median = medians.tolist()

@@ -22,9 +22,8 @@ def describe_drawn(results: ResultTables) -> str:
     if NEIGHBOURS not in results.answers:
         return ""
     names = list_drawn_names(results, results.answer(NEIGHBOURS))
-    buildings = results.study_data["buildings"]
     count = int(results.answer(NEIGHBOURS).frame["neighbours"].iloc[0])
-    seen = join_limited(describe_seen(buildings[name], name) for name in names)
+    seen = join_limited((describe_seen(results, name) for name in names), last=" and ")
     motions = pluralize(len(results.names("record")), "motion")
     return f"Curves are over {count} buildings that {seen} may be, and over {motions}."
 
@@ -41,9 +40,11 @@ def describe_widening(evidence: Evidence, place: Row) -> str:
     for row in sorted(frame.to_dict("records"), key=lambda row: bool(row[STATE_COLUMN] == ALONE)):
         if not math.isfinite(row["widening"]):
             continue
-        both, motions, neighbour = (
-            format_number(row[name], 2) if row[name] > 0 else "0" for name in ("spread", "spread_of_median", "widening")
-        )
+        both = format_number(row["spread"], 2)
+        neighbour = format_number(row["widening"], 2)
+        motions = format_number(row["spread_of_median"], 2)
+        if row["spread_of_median"] == 0.0:
+            motions = "less than a step of the intensities"
         parts.append(f"{both} {row[STATE_COLUMN]} (motions {motions}, neighbour {neighbour})")
     return f"β is {', '.join(parts)}" if parts else ""
 

@@ -23,15 +23,16 @@ _KINDS = {"elastic": "elastic", "inelastic": "yielding"}
 def describe_neighbours(evidence: GapEvidence, pair: tuple[str, str]) -> str:
     """Return how likely the gaps of the cases are enough, and the gaps for some probabilities; "" where both buildings
     are certain."""
-    drawn = _list_drawn_places(evidence, pair)
-    if not drawn:
+    types = _list_drawn_types(evidence, pair)
+    if not types:
         return ""
     rows = _select_rows(evidence, pair)
     if rows.empty:
         return ""
-    first = rows.iloc[0]
+    first = rows.iloc[0].to_dict()
+    drawn = [describe_seen(evidence.results, building_type, place, first) for place, building_type in types.items()]
     motions = pluralize(int(first["motions"]), "motion")
-    count = f"{first['neighbours']:.0f} buildings that {join_limited(drawn)} may be and over {motions}"
+    count = f"{first['neighbours']:.0f} buildings that {join_limited(drawn, last=' and ')} may be and over {motions}"
     where = f"between {' and '.join(pair)} " if len(evidence.pairs) > 1 else ""
     shares = ", ".join(f"{100 * share:.0f} %" for share in NEIGHBOUR_SHARES)
     needs = f"for {shares} {where}the gap is {'; '.join(_iter_widths(evidence, rows))}"
@@ -40,17 +41,14 @@ def describe_neighbours(evidence: GapEvidence, pair: tuple[str, str]) -> str:
     return f"{over} {count}: {'; '.join([*_iter_chances(evidence, pair, where), needs])}."
 
 
-def _list_drawn_places(evidence: GapEvidence, pair: tuple[str, str]) -> list[str]:
-    """Return the buildings of a pair of which the question drew several, with what is known of them."""
+def _list_drawn_types(evidence: GapEvidence, pair: tuple[str, str]) -> dict[str, str]:
+    """Return the building types of which the question drew several, by the places of a pair where they stand."""
     results = evidence.results
     if NEIGHBOURS_TABLE not in results.answers:
-        return []
+        return {}
     type_by_place = dict(zip(results.study_data["places"], results.study_data["group"], strict=True))
     drawn_types = list_drawn_names(results, results.answer(NEIGHBOURS_TABLE))
-    buildings = results.study_data["buildings"]
-    return [
-        describe_seen(buildings[type_by_place[place]], place) for place in pair if type_by_place[place] in drawn_types
-    ]
+    return {place: type_by_place[place] for place in pair if type_by_place[place] in drawn_types}
 
 
 def _select_rows(evidence: GapEvidence, pair: tuple[str, str]) -> pd.DataFrame:
@@ -86,13 +84,15 @@ def _describe_kind(row: Row, number: int) -> str:
 
 def describe_neighbour_spread(evidence: GapEvidence, pair: tuple[str, str]) -> str:
     """Return what the neighbour adds to the scatter of the required gap; "" where nothing is known of it."""
-    if not _list_drawn_places(evidence, pair):
+    types = _list_drawn_types(evidence, pair)
+    if not types:
         return ""
+    neighbours = "the neighbour" if len(types) == 1 else "both buildings"
     rows = _select_rows(evidence, pair)
     rows = rows[rows["spread"].notna()]
     parts = [
         f"{format_number(row['spread_motions'], 2)} over the motions and {format_number(row['spread_neighbours'], 2)} "
-        f"over the neighbour, {format_number(row['spread'], 2)} in all, {_describe_kind(row, number)}"
+        f"over {neighbours}, {format_number(row['spread'], 2)} in all, {_describe_kind(row, number)}"
         for number, row in enumerate(rows.to_dict("records"))
     ]
     where = f" between {' and '.join(pair)}" if len(evidence.pairs) > 1 else ""
@@ -121,7 +121,10 @@ def note_median(results: ResultTables) -> str:
     if NEIGHBOURS_TABLE not in results.answers:
         return ""
     names = list_drawn_names(results, results.answer(NEIGHBOURS_TABLE))
+    has_rates = results.answer(NEIGHBOUR_CASES_TABLE).frame["rate"].notna().any()
+    rates = f"Annual rates are over what {join_limited(names, last=' and ')} may be too; all" if has_rates else "All"
+    is_one = len(names) == 1
     return (
-        f"Annual rates are over what {join_limited(names)} may be too; all other numbers but the first ones are of the "
-        "median building, which `pound run` simulates. `pound check` lists its numbers with their sources."
+        f"{rates} other numbers but the first ones are of the median {'building' if is_one else 'buildings'}, which "
+        f"`pound run` simulates. `pound check` lists {'its' if is_one else 'their'} numbers with their sources."
     )

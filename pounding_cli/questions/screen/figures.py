@@ -27,6 +27,12 @@ _GAP = 0.9
 _SPACE = 1.2
 """Widths of a building, of a gap and of the space between pairs, in units of the drawing."""
 
+MEDIAN_HEIGHT, MAX_HEIGHT, MIN_LINE = 0.32, 2.4, 0.35
+"""Heights in the drawing of the median building, of the tallest one at most, and of a line at least [in]."""
+
+_BELOW = 0.22
+"""Height below a line of buildings, for the ranks [in]."""
+
 _WALL = "0.80"
 _EDGE = "0.35"
 
@@ -62,22 +68,34 @@ def draw_street(frame: pd.DataFrame, title: str) -> Figure:
     import matplotlib.pyplot as plt
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import LogNorm
+    from matplotlib.ticker import LogLocator
 
     rows: list[dict[Any, Any]] = frame.sort_values("row").to_dict("records")
     lines = _break_lines(rows)
-    tallest = float(frame[["left_height", "right_height"]].max().max())
+    heights = frame[["left_height", "right_height"]].to_numpy()
+    scale = min(MEDIAN_HEIGHT / float(np.median(heights)), MAX_HEIGHT / float(heights.max()))  # [in/m]
+    inches = [max(scale * _find_tallest(line), MIN_LINE) + _BELOW for line in lines]
     rates = frame["rate"][frame["rate"] > 0]
     low = float(rates.min())
     high = float(rates.max())
     norm = LogNorm(low / 1.5 if low == high else low, high * 1.5 if low == high else high)
     colours = plt.get_cmap("YlOrRd")
-    height = 0.9 + 0.75 * len(lines)
-    figure, axes = plt.subplots(len(lines), 1, figsize=(3.4, height), squeeze=False, layout="constrained")
-    for ax, line in zip(axes[:, 0], lines, strict=True):
-        _draw_line(ax, line, tallest, colours, norm)
-    scale = ScalarMappable(norm, colours)
-    bar = figure.colorbar(scale, ax=axes[:, 0].tolist(), location="top", aspect=40, shrink=0.9, pad=0.02)
-    bar.set_label("annual rate of contact [1/year]")
+    figure, axes = plt.subplots(
+        len(lines),
+        1,
+        figsize=(3.4, 0.9 + 1.05 * sum(inches)),
+        squeeze=False,
+        layout="constrained",
+        height_ratios=inches,
+    )
+    for ax, line, line_inches in zip(axes[:, 0], lines, inches, strict=True):
+        _draw_line(ax, line, scale, line_inches, colours, norm)
+    mappable = ScalarMappable(norm, colours)
+    bar = figure.colorbar(
+        mappable, ax=axes[:, 0].tolist(), location="top", aspect=40, shrink=0.9, pad=0.02, ticks=LogLocator(numticks=5)
+    )
+    bar.set_label("annual rate of contact [1/year]", fontsize=8)
+    bar.ax.tick_params(labelsize=7)
     finish(figure, title, "Buildings to scale in height; the number below a gap is the rank of the pair, 1 the worst.")
     return figure
 
@@ -100,8 +118,19 @@ def _break_lines(rows: list[dict[Any, Any]]) -> list[list[_PlacedPair]]:
     return lines
 
 
-def _draw_line(ax: Axes, line: list[_PlacedPair], tallest: float, colours: Colormap, norm: LogNorm) -> None:
-    """Draw some pairs side by side."""
+def _find_tallest(line: list[_PlacedPair]) -> float:
+    """Return the height of the tallest building of a line [m]."""
+    return max(max(place.row["left_height"], place.row["right_height"]) for place in line)
+
+
+def _draw_line(
+    ax: Axes, line: list[_PlacedPair], scale: float, inches: float, colours: Colormap, norm: LogNorm
+) -> None:
+    """Draw some pairs side by side.
+
+    scale : of the drawing [in/m]
+    inches : height of the line with its ranks [in]
+    """
     for row, begin, is_shared in line:
         if not is_shared:
             _draw_building(ax, begin, row["left_height"], row["left_storeys"])
@@ -109,10 +138,10 @@ def _draw_line(ax: Axes, line: list[_PlacedPair], tallest: float, colours: Color
         colour = colours(norm(row["rate"])) if row["rate"] > 0 else "1.0"
         facing = min(row["left_height"], row["right_height"])
         ax.add_patch(_build_box(x, _GAP, facing, facecolor=colour, edgecolor="none"))
-        ax.text(x + _GAP / 2, -0.04 * tallest, str(row["rank"]), ha="center", va="top", fontsize=8)
+        ax.text(x + _GAP / 2, -0.03 / scale, str(row["rank"]), ha="center", va="top", fontsize=8)
         _draw_building(ax, x + _GAP, row["right_height"], row["right_storeys"])
     ax.set_xlim(-0.2, ROW_WIDTH + 0.2)
-    ax.set_ylim(-0.28 * tallest, 1.05 * tallest)
+    ax.set_ylim(-_BELOW / scale, (inches - _BELOW) / scale)
     ax.axhline(0.0, color=_EDGE, lw=0.8)
     ax.axis("off")
 

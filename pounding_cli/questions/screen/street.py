@@ -8,8 +8,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import pluralize
 from pounding_cli.study.file import Items, Map, Mark, dump_yaml
+from pounding_cli.study.motions import MotionReader
 
 if TYPE_CHECKING:
     from pounding_cli.study import Study
@@ -104,6 +106,41 @@ class Street:
     pairs: Sequence[NeighbourPair]
     settings: Settings = field(default_factory=Settings)
 
+    @cached_property
+    def _reader(self) -> MotionReader:
+        """The reader of the motions, which all pairs have in common."""
+        return MotionReader(self.path.resolve().parent)
+
+    def find_warnings(self) -> list[Problem]:
+        """Return the warnings of all pairs, each once.
+
+        Raises InputError: with everything wrong in the studies of the pairs, so that none is refused once others are
+        solved.
+        """
+        from pounding_cli.questions.gap.question import Gap
+
+        warnings: dict[str, Problem] = {}
+        problems: dict[str, Problem] = {}
+        checked_pairs = set()
+        checked_hazards = set()
+        for pair in self.pairs:
+            key = (pair.buildings_key, pair.hazard_key, pair.gap)
+            if key in checked_pairs:
+                continue
+            checked_pairs.add(key)
+            try:
+                study = self.build_study(pair)
+                if pair.hazard_key not in checked_hazards:
+                    checked_hazards.add(pair.hazard_key)
+                    Gap(study)
+            except InputError as refused:
+                problems |= {str(problem): problem for problem in refused.problems}
+            else:
+                warnings |= {str(warning): warning for warning in study.warnings}
+        if problems:
+            raise InputError(list(problems.values()))
+        return list(warnings.values())
+
     def build_study(self, pair: NeighbourPair) -> Study:
         """Return the study of a pair, whose text is followed by the table as comments.
 
@@ -114,7 +151,7 @@ class Street:
 
         tree = self._build_tree(pair)
         text = self.format_study(pair) + "".join(f"# {line}\n" for line in self.text.splitlines())
-        study = build_study(self.path, text, tree, study_model())
+        study = build_study(self.path, text, tree, study_model(), reader=self._reader)
         return replace(study, title=f"{self.path.name}: {pluralize(len(self.pairs), 'pair')} of neighbours")
 
     def format_study(self, pair: NeighbourPair) -> str:

@@ -29,6 +29,9 @@ MAX_PAIRS = 10_000
 MIN_PGA = 0.05
 """Peak ground acceleration down to which the hazard curve of rows that give one point of it goes [g]."""
 
+MAX_PGA = 5.0
+"""Largest peak ground acceleration that a row may give: more was never recorded [g]."""
+
 _SIDE_HEADINGS = {
     "name": "a name; the right building of a row and the left one of the next are one where their names agree",
     "type": "building type of HAZUS, e.g. C1M",
@@ -59,7 +62,11 @@ _EXAMPLES = {"gap": "gap [cm]"}
 _HEADING = re.compile(r"(?P<name>[^\[(]*?)\s*(?:[\[(]\s*(?P<unit>[^\])]*?)\s*[\])])?\Z")
 _PGA_OF_PERIOD = re.compile(r"pga (?P<years>\d+)(?: years?)?\Z")
 _CELL = re.compile(r'\s*(?:"(?P<quoted>(?:[^"]|"")*)"|(?P<plain>[^"]*))\s*\Z', re.DOTALL)
+_DECIMAL_COMMA = re.compile(r"^(-?\d+),(\d{1,2}|\d{4,})$")
 _OVERRIDES = {"period": "period", "damping": "damping", "mass": "mass"}
+_UNIT_EXAMPLES = {"gap": "cm", "height": "m", "period": "s", "mass": "t", "pga": "g"}
+"""Headings, without their side, below which a number needs a unit, and an example of one."""
+
 _UNIT_YEARS = ("", "years", "year", "a", "yr")
 
 
@@ -71,6 +78,9 @@ def read_street(path: Path, settings: Settings | None = None) -> Street:
     settings = settings or Settings()
     text = load_text(path, "table of neighbours")
     problems = Problems(str(path))
+    if settings.zone and settings.zone.upper() not in ZONES:
+        message = f"'{settings.zone[:40]}' is not a zone of the Uniform Building Code"
+        problems.add(("--zone", 0), message, f"write one of {', '.join(ZONES)}")
     rows = {number: line for number, line in enumerate(text.lines, 1) if line.strip() and not line.startswith("#")}
     head_line, head = next(iter(rows.items()))
     separator = max(",;\t", key=head.count)
@@ -88,15 +98,17 @@ def read_street(path: Path, settings: Settings | None = None) -> Street:
             message = f"the row has {len(cells)} cells below {len(headings)} headings"
             problems.add((line, 1), message, "put texts that hold a comma in quotes, and leave unknown cells empty")
             continue
-        named = {
-            name: _read_cell(text, unit, (line, column))
-            for (name, unit), (text, column) in zip(headings, cells, strict=True)
-            if text
-        }
+        named = {}
+        for (name, unit), (cell_text, column) in zip(headings, cells, strict=True):
+            written = cell_text if separator == "," else _DECIMAL_COMMA.sub(r"\1.\2", cell_text)
+            if written:
+                named[name] = _read_cell(written, unit, (line, column))
+                _check_unit(name, named[name], problems)
         pair = reader.read(named, line)
         if pair is not None:
             pairs.append(pair)
     _refuse_equal_names(pairs, problems)
+    _refuse_other_buildings_of_one_name(pairs, problems)
     problems.check()
     return Street(path, "\n".join(text.lines), pairs, settings)
 
@@ -146,6 +158,32 @@ def _read_cell(text: str, unit: str, mark: Mark) -> Cell:
     """Return a cell with the unit of its heading, unless it has one of its own."""
     is_number = parse_number(text) is not None
     return Cell(f"{text} {unit}" if unit and is_number else text, mark)
+
+
+def _check_unit(name: str, cell: Cell, problems: Problems) -> None:
+    """Note a number that needs a unit and has none."""
+    quantity = name.removeprefix(f"{LEFT} ").removeprefix(f"{RIGHT} ")
+    example = _UNIT_EXAMPLES.get("pga" if _PGA_OF_PERIOD.match(name) else quantity)
+    number = parse_number(cell.text)
+    if example is not None and number is not None and number != 0.0:
+        hint = f"write the unit into the heading, `{name} [{example}]`, or behind the number, `{cell.text} {example}`"
+        problems.add(cell.mark, f"{cell.text} has no unit", hint)
+
+
+def _refuse_other_buildings_of_one_name(pairs: Sequence[NeighbourPair], problems: Problems) -> None:
+    """Note names that stand for two buildings: in one row, or at the right of a row and the left of the next one."""
+    for pair in pairs:
+        if pair.names[0] and pair.names[0] == pair.names[1]:
+            message = f"'{pair.names[0]}' is the name of both buildings"
+            problems.add((pair.line, 1), message, "give each building a name of its own")
+    for pair, next_pair in pairwise(pairs):
+        name = next_pair.names[0]
+        if not name or name != pair.names[1]:
+            continue
+        if dump_yaml(pair.buildings[RIGHT]) != dump_yaml(next_pair.buildings[LEFT]):
+            message = f"'{name}' is another building here than at the right of row {pair.line}"
+            hint = "write the same type, design level, storeys and measured values in both rows, or another name"
+            problems.add((next_pair.line, 1), message, hint)
 
 
 def _refuse_equal_names(pairs: Sequence[NeighbourPair], problems: Problems) -> None:
@@ -318,6 +356,10 @@ class _RowReader:
             value = self._read_number(cell, ACCELERATION)
             years = float(match["years"]) if match else self._read_return_period(cells)
             if value is None or years is None:
+                continue
+            if value > ACCELERATION.read(f"{MAX_PGA} g"):
+                message = f"{cell.text} is no peak ground acceleration: none above {MAX_PGA:g} g was recorded"
+                self.problems.add(cell.mark, message, "write e.g. 0.3 below `pga [g]`")
                 continue
             accelerations.append((value, 1.0 / years))
             points[f"{value / ACCELERATION.read('1 g'):.6g} g"] = 1.0 / years

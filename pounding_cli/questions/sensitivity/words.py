@@ -28,6 +28,9 @@ MAX_OUTPUTS = 6
 MAX_STATEMENTS = 4
 """Statements with a sentence each; more are summed up in one."""
 
+MAX_WIDTH = 100.0
+"""Width of the interval of a share of the variance beyond which nothing is known of the share [%]."""
+
 NEGLIGIBLE = 0.0005
 """An index below this is shown as zero [-]."""
 
@@ -187,7 +190,11 @@ def _describe_most_influential(results: ResultTables, first: Row, second: Row, u
         effect = _find_column(results, influence, unit).format_with_unit(first)
         return f"{words}, which changes it by {effect} on average over its range"
     share, low, high = (100 * first[name] for name in ("total", "total_low", "total_high"))
-    words += f", which explains {share:.0f} % ({low:.0f} to {high:.0f} %) of the variance, interactions included"
+    if high - low > MAX_WIDTH:
+        samples = pluralize(int(first["samples"]), "sample")
+        words += f"; how much of the variance it explains cannot be told from {samples}: give more `samples`"
+    else:
+        words += f", which explains {share:.0f} % ({low:.0f} to {high:.0f} %) of the variance, interactions included"
     return "; ".join(filter(None, [words, describe_ends(results, first, unit)]))
 
 
