@@ -18,6 +18,7 @@ from pounding_cli.imports.storeys import (
     TOTALS,
     Choices,
     ImportedBuilding,
+    refuse_nameless,
     select_case,
 )
 from pounding_cli.imports.tables import Column, ProgramTable, Row, TableFile, normalize_name
@@ -169,9 +170,10 @@ def read_curves(tables: TableFile, choices: Choices) -> tuple[list[Curve], list[
     drift = table.get_column(quantities["drift"], "interstorey drift")
     shear = table.get_column(quantities["shear"], "storey shear")
     rows, case = select_case(table, shear, choices, "that pushes the frame over")
-    names = list(dict.fromkeys(table.read_text(row, storey) for row in rows))
     if not rows:
         raise table.refuse("has no row", "write a row for each storey and step below the headings")
+    refuse_nameless(table, rows, storey)
+    names = list(dict.fromkeys(table.read_text(row, storey) for row in rows))
     curves = [
         _build_curve(table, [row for row in rows if table.read_text(row, storey) == name], name, drift, shear)
         for name in names

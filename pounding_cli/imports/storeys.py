@@ -450,6 +450,14 @@ def _refuse_twice(table: ProgramTable, rows: Sequence[Row], storey: Column, name
             raise table.refuse(message, "leave one row for each storey", rows[place], storey)
 
 
+def refuse_nameless(table: ProgramTable, rows: Sequence[Row], storey: Column) -> None:
+    """Raise InputError where a row has no name of a storey, such as below the first row of merged cells."""
+    for row in rows:
+        if not table.read_text(row, storey):
+            hint = "write the name of the storey in every row; merged cells have it in their first one alone"
+            raise table.refuse("is empty", hint, row, storey)
+
+
 def _get_row(table: ProgramTable, by_name: dict[str, Row], name: str) -> Row:
     """Return the row of a storey.  Raises InputError: there is none."""
     if name not in by_name:
@@ -620,6 +628,7 @@ def _read_stiffness(table: ProgramTable, column: Column, building: ImportedBuild
     """Set the storey stiffnesses of a building.  Raises InputError."""
     rows, case = select_case(table, column, choices, "whose forces follow the first mode")
     storey = table.get_column(STOREY, "name of the storey")
+    refuse_nameless(table, rows, storey)
     by_name = _pick_step(table, rows, storey, column, choices)
     direction = choices.direction
     stiffnesses = []
@@ -756,6 +765,9 @@ def _read_period(tables: TableFile, building: ImportedBuilding, choices: Choices
     period = table.get_column(PERIOD, "period of the mode")
     mode = table.get_column(MODE, "number of the mode")
     rows = _select_modal_case(table, building)
+    if not rows:
+        building.notes.append(f"period of the model: '{table.title}' has no row, left out")
+        return
     by_mode = {table.read_text(row, mode): row for row in reversed(rows)}
     if choices.mode is not None:
         chosen = str(choices.mode)
@@ -792,6 +804,9 @@ def _find_mode_along(tables: TableFile, building: ImportedBuilding, choices: Cho
     if table is None or ratio is None or mode is None:
         return None
     rows = _select_modal_case(table, building)
+    if not rows:
+        return None
+    rows = [row for row in rows if table.read_text(row, ratio)]
     if not rows:
         return None
     shares = [table.read_number(row, ratio) for row in rows]
