@@ -5,6 +5,7 @@ its place in the table."""
 
 from __future__ import annotations
 
+import math
 import os
 import re
 from collections.abc import Mapping, Sequence
@@ -14,6 +15,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from pydantic_core import PydanticCustomError
 
 from pounding_cli.errors import InputError, Problem
@@ -28,6 +30,7 @@ from pounding_cli.study.quantity import ACCELERATION, GAP, LENGTH, Quantity
 from pounding_cli.study.written import read_spec
 
 if TYPE_CHECKING:
+    from pounding_cli.questions.gap.question import Gap
     from pounding_cli.study import Study
 
 LEFT, RIGHT = "left", "right"
@@ -76,8 +79,11 @@ _OVERRIDES = {"period": "period", "damping": "damping", "mass": "mass"}
 _WITH_UNIT = {"gap": "cm", "height": "m", "period": "s", "mass": "t", "pga": "g"}
 """Headings, without their side, below which a number needs a unit, and an example of one."""
 
-MAX_PGA = 5.0
-"""Largest peak ground acceleration that is one [g]: more was never recorded."""
+MAX_PGA = 3.0
+"""Largest peak ground acceleration that a site may have [g]."""
+
+COUNTED_RATE = 0.01
+"""Annual rate at the lowest intensity of a hazard curve below which much of what closes a gap may not be counted."""
 
 _UNIT_YEARS = ("", "years", "year", "a", "yr")
 
@@ -191,7 +197,7 @@ class Street:
                 study = self.build_study(pair)
                 if pair.hazard_key not in hazards:
                     hazards.add(pair.hazard_key)
-                    Gap(study)
+                    warnings |= _warn_high_begin(Gap(study), pair)
             except InputError as refused:
                 problems |= {str(problem): problem for problem in refused.problems}
             else:
@@ -244,6 +250,21 @@ class Street:
             },
             row,
         )
+
+
+def _warn_high_begin(question: Gap, pair: Pair) -> dict[str, Problem]:
+    """Return a warning of a hazard curve that begins with shaking so rare that weaker one may close a gap as well."""
+    assert question.hazard is not None
+    lowest = float(question.hazard.edges[0])
+    rate = float(question.hazard.rate(np.array([lowest]))[0])
+    if lowest == 0.0 or rate >= COUNTED_RATE:
+        return {}
+    pga = f"{lowest / ACCELERATION.read('1 g'):.3g} g"
+    message = f"the hazard curve begins at {pga}, exceeded {rate:.2g} times a year: weaker shaking is not counted"
+    line, column = pair.hazard_mark
+    place = (str(question.study.file), line, column) if isinstance(line, int) else (str(line), 0, 0)
+    warning = Problem(message, f"give it points down to {MIN_PGA:g} g", *place)
+    return {str(warning): warning}
 
 
 def _mark_map(values: Mapping[str, Any], mark: Mark) -> Map:
@@ -543,20 +564,25 @@ class _RowReader:
             if value is None or years is None:
                 continue
             if value > ACCELERATION.read(f"{MAX_PGA} g"):
-                message = f"{cell.text} is no peak ground acceleration: none above {MAX_PGA:g} g was recorded"
+                message = f"{cell.text} is no peak ground acceleration of a site: those are below {MAX_PGA:g} g"
                 self.problems.add(cell.mark, message, "write e.g. 0.3 below `pga [g]`")
                 continue
             accelerations.append((value, 1.0 / years))
             points[f"{value / ACCELERATION.read('1 g'):.6g} g"] = 1.0 / years
         if len(accelerations) == 1:
             ((value, rate),) = accelerations
-            return _mark_map(self._extend_point(value / ACCELERATION.read("1 g"), rate), mark), mark
+            pga = value / ACCELERATION.read("1 g")
+            return _mark_map(self._extend_point(pga, rate, self.settings.slope), mark), mark
         if accelerations:
             ordered = sorted(accelerations)
             if any(second[1] >= first[1] or second[0] <= first[0] for first, second in pairwise(ordered)):
                 hint = "give larger accelerations for longer return periods"
                 self.problems.add(mark, "these accelerations are no hazard curve", hint)
-            return _mark_map(points, mark), mark
+                return _mark_map(points, mark), mark
+            (first, first_rate), (second, second_rate) = ordered[:2]
+            slope = math.log(first_rate / second_rate) / math.log(second / first)
+            below = self._extend_point(first / ACCELERATION.read("1 g"), first_rate, min(slope, self.settings.slope))
+            return _mark_map(below | points, mark), mark
         if self.settings.hazard:
             option: Mark = ("--hazard", 0)
             return self._parse_hazard(self.settings.hazard, option, Path()), option
@@ -565,14 +591,16 @@ class _RowReader:
             self.problems.add(mark, "there is no hazard: how often the ground shakes how strongly", hint)
         return _mark_map({}, mark), mark
 
-    def _extend_point(self, pga: float, rate: float) -> dict[str, float]:
+    @staticmethod
+    def _extend_point(pga: float, rate: float, slope: float) -> dict[str, float]:
         """Return the hazard curve through one point, down to MIN_PGA.
 
         pga : [g]
         rate : at which it is exceeded [1/year]
+        slope : exponent of the power law [-]
         """
         lowest = min(MIN_PGA, 0.5 * pga)
-        at_lowest = rate * (pga / lowest) ** self.settings.slope
+        at_lowest = rate * (pga / lowest) ** slope
         return {f"{lowest:.6g} g": float(f"{at_lowest:.6g}"), f"{pga:.6g} g": rate}
 
     def _read_return_period(self, cells: Mapping[str, Cell]) -> float | None:
