@@ -253,6 +253,15 @@ def test_what_is_doubtful_of_any_row_is_told(tmp_path):
     assert any("--levels" in each and "has no unit" in each for each in warnings)
 
 
+def test_what_is_known_of_a_building_in_one_row_alone_is_told(tmp_path):
+    head = NAMED.replace("gap [cm],", "right period [s],gap [cm],") + "pga [g]"
+    path = write_street(
+        tmp_path, "\n".join([head, f"{ONE},0.4,4,0.3", "B,C1L,low-code,3,C,C1L,low-code,3,,4,0.3"]) + "\n"
+    )
+    (warning,) = map(str, read_street(path, SETTINGS).find_warnings())
+    assert "street.csv:3:1: 'B' has its period in one of the rows 2 and 3 alone" in warning
+
+
 def test_accelerations_of_two_return_periods_go_on_below(tmp_path):
     """Fails where only shaking beyond the return period of 475 years is counted."""
     rows = [f"{ONE},4,0.2,0.4", f"{ONE.replace('A,', 'C,')},4,0.2,0.22"]

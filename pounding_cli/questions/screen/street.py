@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
@@ -22,6 +22,7 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.archetypes import DESIGNS, list_types
 from pounding_cli.numbers import pluralize
 from pounding_cli.questions.screen.designs import ZONES, find_design
+from pounding_cli.reading import shorten_path
 from pounding_cli.records.text import load_text, parse_number
 from pounding_cli.study.file import Items, Map, Mark, Problems, dump_yaml, nearest, parse_value
 from pounding_cli.study.issues import Issue, IssuesFound
@@ -204,7 +205,22 @@ class Street:
                 warnings |= {str(warning): warning for warning in study.warnings}
         if problems:
             raise InputError(list(problems.values()))
+        for warning in self._warn_known_once():
+            warnings[str(warning)] = warning
         return list(warnings.values())
+
+    def _warn_known_once(self) -> Iterator[Problem]:
+        """Yield a warning of every building of two rows of which one alone has what was measured."""
+        for pair, next_pair in pairwise(self.pairs):
+            if not pair.names[1] or pair.names[1] != next_pair.names[0]:
+                continue
+            here = set(next_pair.buildings[LEFT])
+            there = set(pair.buildings[RIGHT])
+            if here != there:
+                known = " and ".join(sorted(here ^ there))
+                message = f"'{pair.names[1]}' has its {known} in one of the rows {pair.line} and {next_pair.line} alone"
+                hint = "write what is known of a building in both rows, as left and as right"
+                yield Problem(message, hint, shorten_path(self.path), next_pair.line, 1)
 
     def build_study(self, pair: Pair) -> Study:
         """Return the study of a pair, whose text is followed by the table as comments.
@@ -385,7 +401,9 @@ def _refuse_other_buildings_of_one_name(pairs: Sequence[Pair], problems: Problem
         name = next_pair.names[0]
         if not name or name != pair.names[1]:
             continue
-        if dump_yaml(pair.buildings[RIGHT]) != dump_yaml(next_pair.buildings[LEFT]):
+        here = next_pair.buildings[LEFT]
+        there = pair.buildings[RIGHT]
+        if any(here[key] != there[key] for key in here if key in there):
             message = f"'{name}' is another building here than at the right of row {pair.line}"
             hint = "write the same type, design level, storeys and measured values in both rows, or another name"
             problems.add((next_pair.line, 1), message, hint)
