@@ -82,6 +82,9 @@ def read_period(tables: TableFile, building: ImportedBuilding, choices: Choices)
     period = table.get_column(PERIOD_HEADINGS, "period of the mode")
     mode = table.get_column(MODE_HEADINGS, "number of the mode")
     rows = _select_modal_case(table, building)
+    if not rows:
+        building.notes.append(f"period of the model: '{table.title}' has no row, left out")
+        return
     by_mode = {table.read_text(row, mode): row for row in reversed(rows)}
     if choices.mode is not None:
         chosen = str(choices.mode)
@@ -117,7 +120,7 @@ def _find_mode_along(tables: TableFile, building: ImportedBuilding, choices: Cho
     mode = table.find_column(MODE_HEADINGS) if table is not None else None
     if table is None or ratio is None or mode is None:
         return None
-    rows = _select_modal_case(table, building)
+    rows = [row for row in _select_modal_case(table, building) if table.read_text(row, ratio)]
     if not rows:
         return None
     shares = [table.read_number(row, ratio) for row in rows]

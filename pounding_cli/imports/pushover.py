@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.imports.building import Choices, ImportedBuilding
 from pounding_cli.imports.headings import HEADINGS_OF_DIRECTION, STEP_NUMBER_HEADINGS, STOREY_HEADINGS
-from pounding_cli.imports.rows import TOTALS, select_case
+from pounding_cli.imports.rows import TOTALS, refuse_nameless, select_case
 from pounding_cli.imports.tables import ProgramColumn, ProgramRow, ProgramTable, TableFile, normalize_name
 from pounding_cli.numbers import join_limited
 from pounding_cli.reading import shorten_path
@@ -163,9 +163,10 @@ def read_curves(tables: TableFile, choices: Choices) -> tuple[list[PushoverCurve
     drift = table.get_column(quantities["drift"], "interstorey drift")
     shear = table.get_column(quantities["shear"], "storey shear")
     rows, case = select_case(table, shear, choices, "that pushes the frame over")
-    names = list(dict.fromkeys(table.read_text(row, storey) for row in rows))
     if not rows:
         raise table.refuse("has no row", "write a row for each storey and step below the headings")
+    refuse_nameless(table, rows, storey)
+    names = list(dict.fromkeys(table.read_text(row, storey) for row in rows))
     curves = [
         _build_curve(table, [row for row in rows if table.read_text(row, storey) == name], name, drift, shear)
         for name in names

@@ -50,6 +50,14 @@ def select_tower(table: ProgramTable, rows: Sequence[ProgramRow], choices: Choic
     return list(rows)
 
 
+def refuse_nameless(table: ProgramTable, rows: Sequence[ProgramRow], storey: ProgramColumn) -> None:
+    """Raise InputError where a row has no name of a storey, such as below the first row of merged cells."""
+    for row in rows:
+        if not table.read_text(row, storey):
+            hint = "write the name of the storey in every row; merged cells have it in their first one alone"
+            raise table.refuse("is empty", hint, row, storey)
+
+
 def get_row(table: ProgramTable, by_name: dict[str, ProgramRow], name: str) -> ProgramRow:
     """Return the row of a storey.  Raises InputError: there is none."""
     if name not in by_name:

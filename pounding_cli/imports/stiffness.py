@@ -14,7 +14,7 @@ from pounding_cli.imports.headings import (
     STEP_TYPE_HEADINGS,
     STOREY_HEADINGS,
 )
-from pounding_cli.imports.rows import TOTALS, get_row, select_case
+from pounding_cli.imports.rows import TOTALS, get_row, refuse_nameless, select_case
 from pounding_cli.imports.tables import ProgramColumn, ProgramRow, ProgramTable, normalize_name
 from pounding_cli.numbers import join_limited
 from pounding_cli.texts import escape_controls
@@ -24,6 +24,7 @@ def read_stiffness(table: ProgramTable, column: ProgramColumn, building: Importe
     """Set the storey stiffnesses of a building.  Raises InputError."""
     rows, case = select_case(table, column, choices, "whose forces follow the first mode")
     storey = table.get_column(STOREY_HEADINGS, "name of the storey")
+    refuse_nameless(table, rows, storey)
     by_name = _pick_step(table, rows, storey, column, choices)
     direction = choices.direction
     stiffnesses = []

@@ -520,6 +520,8 @@ def test_a_storey_that_does_not_yield_and_one_that_falls_are_told(folder, pound)
         (lambda text: text.replace("Story1,3,", "Story1,3,-"), ["curves.csv:5:3", "does not grow"]),
         (lambda text: text.replace("Story1,0,0,0", "Story1,0,0,25"), ["does not begin at the origin"]),
         (lambda text: text.replace("Story1,4,", "Story1,4,x"), ["curves.csv:6:3", "is not a number"]),
+        (lambda text: text.replace("Story1,3,", ",3,"), ["curves.csv:5:1", "is empty", "merged cells"]),
+        (lambda text: text.splitlines()[0] + "\n", ["'curves' has no row"]),
         (lambda text: text.replace("Drift", "Way"), ["no table has the columns storey, drift and shear"]),
     ],
 )
@@ -623,6 +625,12 @@ def test_plain_tables_say_what_was_left_out_or_guessed(folder, pound, lines, wor
             ["height: 'Story Definitions'", "the same within"],
         ),
         (lambda sheets: sheets["Story Stiffness"].__delitem__(slice(2, None)), 2, ["'Story Stiffness' has no row"]),
+        (edit("Story Stiffness", (3, 0), None), 2, ["tower.xlsx:5:1", "is empty", "merged cells"]),
+        (
+            lambda sheets: sheets["Modal Periods And Frequencies"].__delitem__(slice(2, None)),
+            0,
+            ["'Modal Periods And Frequencies' has no row, left out", "no table has that of the model"],
+        ),
     ],
 )
 def test_a_storey_is_never_lost(folder, pound, change, code, words):

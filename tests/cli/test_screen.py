@@ -255,6 +255,33 @@ def test_what_is_doubtful_of_any_row_is_told(tmp_path):
     assert any("--levels" in each and "has no unit" in each for each in warnings)
 
 
+def test_what_is_known_of_a_building_in_one_row_alone_is_told(tmp_path):
+    head = NAMED.replace("gap [cm],", "right period [s],gap [cm],") + "pga [g]"
+    path = write_street(
+        tmp_path, "\n".join([head, f"{ONE},0.4,4,0.3", "B,C1L,low-code,3,C,C1L,low-code,3,,4,0.3"]) + "\n"
+    )
+    (warning,) = map(str, read_street(path, SETTINGS).find_warnings())
+    assert "street.csv:3:1: 'B' has its period in one of the rows 2 and 3 alone" in warning
+
+
+def test_accelerations_of_two_return_periods_go_on_below(tmp_path):
+    """Fails where only shaking beyond the return period of 475 years is counted."""
+    rows = [f"{ONE},4,0.2,0.4", f"{ONE.replace('A,', 'C,')},4,0.2,0.22"]
+    path = write_street(tmp_path, "\n".join([NAMED + "pga 475 [g],pga 2475 [g]", *rows]) + "\n")
+    slope = np.log(2475 / 475) / np.log(2.0)
+    below = [0.25**-slope / 475, 4.0**3 / 475]  # the second row is steeper than k = 3
+    for pair, expected in zip(read_street(path, SETTINGS).pairs, below, strict=True):
+        assert pair.hazard["0.05 g"] == pytest.approx(expected, rel=1e-5)
+        assert pair.hazard["0.2 g"] == pytest.approx(1 / 475)
+        assert len(pair.hazard) == 3
+    path.write_text(f"{NAMED}pga [g]\n{ONE},4,\n")
+    street = read_street(path, replace(SETTINGS, hazard="{0.2 g: 1/475, 0.4 g: 1/2475}"))
+    (warning,) = map(str, street.find_warnings())
+    assert warning.startswith("--hazard: the hazard curve begins at 0.2 g, exceeded 0.0021 times a year")
+    street = read_street(path, replace(SETTINGS, hazard="{0.05 g: 0.02, 0.4 g: 1/2475}"))
+    assert street.find_warnings() == []
+
+
 def test_a_workbook_is_refused_as_a_table(pound):
     Path("street.xlsx").write_bytes(b"PK\x03\x04" + bytes(100))
     code, _, err = pound("screen", "street.xlsx")

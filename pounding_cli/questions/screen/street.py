@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import pluralize
+from pounding_cli.reading import shorten_path
 from pounding_cli.study.file import Items, Map, Mark, dump_yaml
 from pounding_cli.study.motions import MotionReader
+from pounding_cli.study.quantity import ACCELERATION
 
 if TYPE_CHECKING:
+    from pounding_cli.questions.gap.question import Gap
     from pounding_cli.study import Study
 
 LEFT, RIGHT = "left", "right"
@@ -21,6 +27,12 @@ LEFT, RIGHT = "left", "right"
 
 CASE = "gap"
 """The one case of the study of a pair."""
+
+MIN_PGA = 0.05
+"""Peak ground acceleration down to which the hazard curve of rows that give points of it goes [g]."""
+
+COUNTED_RATE = 0.01
+"""Annual rate at the lowest intensity of a hazard curve below which much of what closes a gap may not be counted."""
 
 
 @dataclass(frozen=True)
@@ -132,14 +144,29 @@ class Street:
                 study = self.build_study(pair)
                 if pair.hazard_key not in checked_hazards:
                     checked_hazards.add(pair.hazard_key)
-                    Gap(study)
+                    warnings |= _warn_high_begin(Gap(study), pair)
             except InputError as refused:
                 problems |= {str(problem): problem for problem in refused.problems}
             else:
                 warnings |= {str(warning): warning for warning in study.warnings}
         if problems:
             raise InputError(list(problems.values()))
+        for warning in self._warn_known_once():
+            warnings[str(warning)] = warning
         return list(warnings.values())
+
+    def _warn_known_once(self) -> Iterator[Problem]:
+        """Yield a warning of every building of two rows of which one alone has what was measured."""
+        for pair, next_pair in pairwise(self.pairs):
+            if not pair.names[1] or pair.names[1] != next_pair.names[0]:
+                continue
+            here = set(next_pair.buildings[LEFT])
+            there = set(pair.buildings[RIGHT])
+            if here != there:
+                known = " and ".join(sorted(here ^ there))
+                message = f"'{pair.names[1]}' has its {known} in one of the rows {pair.line} and {next_pair.line} alone"
+                hint = "write what is known of a building in both rows, as left and as right"
+                yield Problem(message, hint, shorten_path(self.path), next_pair.line, 1)
 
     def build_study(self, pair: NeighbourPair) -> Study:
         """Return the study of a pair, whose text is followed by the table as comments.
@@ -185,6 +212,21 @@ class Street:
             },
             row,
         )
+
+
+def _warn_high_begin(question: Gap, pair: NeighbourPair) -> dict[str, Problem]:
+    """Return a warning of a hazard curve that begins with shaking so rare that weaker one may close a gap as well."""
+    assert question.hazard is not None
+    lowest = float(question.hazard.edges[0])
+    rate = float(question.hazard.rate(np.array([lowest]))[0])
+    if lowest == 0.0 or rate >= COUNTED_RATE:
+        return {}
+    pga = f"{lowest / ACCELERATION.read('1 g'):.3g} g"
+    message = f"the hazard curve begins at {pga}, exceeded {rate:.2g} times a year: weaker shaking is not counted"
+    line, column = pair.hazard_mark
+    place = (str(question.study.file), line, column) if isinstance(line, int) else (str(line), 0, 0)
+    warning = Problem(message, f"give it points down to {MIN_PGA:g} g", *place)
+    return {str(warning): warning}
 
 
 def mark_map(values: Mapping[str, Any], mark: Mark) -> Map:

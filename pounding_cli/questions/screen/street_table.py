@@ -6,6 +6,7 @@ its place in the table.
 
 from __future__ import annotations
 
+import math
 import os
 import re
 from collections.abc import Mapping, Sequence
@@ -17,7 +18,7 @@ from pydantic_core import PydanticCustomError
 
 from pounding_cli.model.archetypes import DESIGNS, list_types
 from pounding_cli.questions.screen.designs import ZONES, find_design
-from pounding_cli.questions.screen.street import LEFT, RIGHT, Cell, NeighbourPair, Settings, Street, mark_map
+from pounding_cli.questions.screen.street import LEFT, MIN_PGA, RIGHT, Cell, NeighbourPair, Settings, Street, mark_map
 from pounding_cli.records.text import load_text, parse_number
 from pounding_cli.study.file import Map, Mark, Problems, dump_yaml, nearest, parse_value
 from pounding_cli.study.issues import Issue, IssuesFound
@@ -26,11 +27,8 @@ from pounding_cli.study.written import read_spec
 
 MAX_PAIRS = 10_000
 
-MIN_PGA = 0.05
-"""Peak ground acceleration down to which the hazard curve of rows that give one point of it goes [g]."""
-
-MAX_PGA = 5.0
-"""Largest peak ground acceleration that a row may give: more was never recorded [g]."""
+MAX_PGA = 3.0
+"""Largest peak ground acceleration that a site may have [g]."""
 
 _SIDE_HEADINGS = {
     "name": "a name; the right building of a row and the left one of the next are one where their names agree",
@@ -180,7 +178,9 @@ def _refuse_other_buildings_of_one_name(pairs: Sequence[NeighbourPair], problems
         name = next_pair.names[0]
         if not name or name != pair.names[1]:
             continue
-        if dump_yaml(pair.buildings[RIGHT]) != dump_yaml(next_pair.buildings[LEFT]):
+        here = next_pair.buildings[LEFT]
+        there = pair.buildings[RIGHT]
+        if any(here[key] != there[key] for key in here if key in there):
             message = f"'{name}' is another building here than at the right of row {pair.line}"
             hint = "write the same type, design level, storeys and measured values in both rows, or another name"
             problems.add((next_pair.line, 1), message, hint)
@@ -358,20 +358,25 @@ class _RowReader:
             if value is None or years is None:
                 continue
             if value > ACCELERATION.read(f"{MAX_PGA} g"):
-                message = f"{cell.text} is no peak ground acceleration: none above {MAX_PGA:g} g was recorded"
+                message = f"{cell.text} is no peak ground acceleration of a site: those are below {MAX_PGA:g} g"
                 self.problems.add(cell.mark, message, "write e.g. 0.3 below `pga [g]`")
                 continue
             accelerations.append((value, 1.0 / years))
             points[f"{value / ACCELERATION.read('1 g'):.6g} g"] = 1.0 / years
         if len(accelerations) == 1:
             ((value, rate),) = accelerations
-            return mark_map(self._extend_point(value / ACCELERATION.read("1 g"), rate), mark), mark
+            pga = value / ACCELERATION.read("1 g")
+            return mark_map(self._extend_point(pga, rate, self.settings.slope), mark), mark
         if accelerations:
             ordered = sorted(accelerations)
             if any(second[1] >= first[1] or second[0] <= first[0] for first, second in pairwise(ordered)):
                 hint = "give larger accelerations for longer return periods"
                 self.problems.add(mark, "these accelerations are no hazard curve", hint)
-            return mark_map(points, mark), mark
+                return mark_map(points, mark), mark
+            (first, first_rate), (second, second_rate) = ordered[:2]
+            slope = math.log(first_rate / second_rate) / math.log(second / first)
+            below = self._extend_point(first / ACCELERATION.read("1 g"), first_rate, min(slope, self.settings.slope))
+            return mark_map(below | points, mark), mark
         if self.settings.hazard:
             option: Mark = ("--hazard", 0)
             return self._parse_hazard(self.settings.hazard, option, Path()), option
@@ -380,14 +385,16 @@ class _RowReader:
             self.problems.add(mark, "there is no hazard: how often the ground shakes how strongly", hint)
         return mark_map({}, mark), mark
 
-    def _extend_point(self, pga: float, rate: float) -> dict[str, float]:
+    @staticmethod
+    def _extend_point(pga: float, rate: float, slope: float) -> dict[str, float]:
         """Return the hazard curve through one point, down to MIN_PGA.
 
         pga : [g]
         rate : at which it is exceeded [1/year]
+        slope : exponent of the power law [-]
         """
         lowest = min(MIN_PGA, 0.5 * pga)
-        at_lowest = rate * (pga / lowest) ** self.settings.slope
+        at_lowest = rate * (pga / lowest) ** slope
         return {f"{lowest:.6g} g": float(f"{at_lowest:.6g}"), f"{pga:.6g} g": rate}
 
     def _read_return_period(self, cells: Mapping[str, Cell]) -> float | None:
