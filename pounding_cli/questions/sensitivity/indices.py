@@ -42,6 +42,9 @@ from pounding_cli.questions.sensitivity.tables import (
 )
 from pounding_cli.results.arrays import ResultArrays
 from pounding_cli.study import Plan, Study, make_plan
+from pounding_cli.study.archetypes import KEY as ARCHETYPE
+from pounding_cli.study.archetypes import list_seen
+from pounding_cli.study.axes import sweep_maps
 from pounding_cli.study.expression import Expression, Statement, parse_expression, parse_statement
 from pounding_cli.study.vary import MOTION, MotionInput, choose_option, read_uncertain
 from pounding_cli.tables import Column, Table, build_table
@@ -50,6 +53,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from pounding_cli.batch.solve import Solver
+    from pounding_cli.study.file import Map
 
 FOUND = "found"
 CONSTANT = "the output does not change"
@@ -125,6 +129,9 @@ class Sensitivity(StudyQuestion):
         self.motion_sets: np.ndarray | None = None
         if len(inputs) < 2 and not problems.found:
             hint = "write two keys or more, e.g. `uncertain: {impact.restitution: {uniform: {from: 0.4, to: 0.65}}}`"
+            swept = _list_swept_neighbours(root)
+            if swept:
+                hint += f"; nothing of {' and '.join(swept)} is varied, as `archetype` is swept there"
             problems.at(root, ("uncertain",), "fewer than two keys are uncertain", hint, key=True)
         for each in inputs:
             if isinstance(each, MotionInput):
@@ -251,6 +258,16 @@ class Sensitivity(StudyQuestion):
         if outputs or statements:
             tables.append(_build_sample_table(plan, self, [*outputs, *statements]))
         return Answer(plan, arrays, tables)
+
+
+def _list_swept_neighbours(root: Map) -> list[str]:
+    """Return the buildings that are only seen of which nothing is varied, as the study sweeps what they are."""
+    swept = {key for holder in sweep_maps(root) for key in holder}
+    return [
+        seen.name
+        for seen in list_seen(root)
+        if any(key.startswith(f"buildings.{seen.name}.{ARCHETYPE}") for key in swept)
+    ]
 
 
 def _iter_series(
