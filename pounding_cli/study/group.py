@@ -126,7 +126,7 @@ def check_meetings(group: Group, linked_pairs: Collection[int] = ()) -> Group:
             hint = "leave one out: a wall can be struck from both sides"
             issues.append(Issue(("group", place + 1), message, hint))
         elif not (walls or meeting.floors or meeting.strikes or place in linked_pairs):
-            levels = (join_limited(f"{elevation:g}" for elevation in each.elevation) for each in pair)
+            levels = (join_limited((f"{elevation:g}" for elevation in each.elevation), 60) for each in pair)
             message = f"{names} have no floor at one elevation: {' against '.join(levels)} m"
             hint = f"let the storey heights agree somewhere; {COLUMNS_HINT}; "
             hint += "or name both ends of links, `floors: [[2, 3]]`"

@@ -121,7 +121,9 @@ def _resolve_uncertain_ends(study: Study) -> _View | None:
         from pounding_cli.study import vary  # here: few studies have distributions
 
         if study.tree.get("uncertain") is not None:
-            inputs += vary.read_uncertain(study.tree, problems)
+            unwritten = {(each.key, each.mark) for each in vary.list_seen_inputs(study.tree)}
+            uncertain = vary.read_uncertain(study.tree, problems)
+            inputs += [each for each in uncertain if (each.key, each.mark) not in unwritten]
         if isinstance(get(study.tree, "optimise", "over"), Map):
             inputs += vary.read_searched(study.tree, problems)
     if problems.found or not any(each.members for each in inputs):

@@ -185,6 +185,33 @@ def test_check_lists_the_first_point_of_a_sweep_and_warns_along_it(pound):
     assert "two.yaml:10:52: theirs has 5 storeys, but C1L of HAZUS is of 1 to 3 storeys" in err
 
 
+def test_what_sensitivity_does_not_vary_of_a_swept_neighbour_is_told(pound):
+    study = STUDY.replace("height: 3.66 m", "height: 3.05 m").replace("type: W2", "type: C3L")
+    sweep = "sweep: {buildings.theirs.archetype.storeys: [1, 2]}\n"
+    Path("two.yaml").write_text(study + sweep)
+    code, _, err = pound("sensitivity", "two.yaml")
+    assert code == 2
+    assert "nothing of theirs is varied, as `archetype` is swept there" in err
+    uncertain = (
+        "uncertain: {impact.restitution: {uniform: {from: 0.4, to: 0.6}}, cases.near.gap: {choice: [1 cm, 2 cm]}}\n"
+    )
+    Path("two.yaml").write_text(study + sweep + uncertain)
+    code, out, _ = pound("sensitivity", "two.yaml")
+    assert code == 0
+    assert "Nothing of theirs is varied, as `archetype` is swept there." in " ".join(out.split())
+
+
+def test_ends_of_what_nobody_wrote_are_not_doubted(pound):
+    """A damping of 42 % is 10 % times what nearly nobody exceeds."""
+    study = STUDY.replace("height: 3.66 m", "height: 3.05 m").replace("type: W2", "type: C3L").split("fragility")[0]
+    Path("two.yaml").write_text(study + "uncertain: {impact.restitution: {uniform: {from: 0.4, to: 0.6}}}\n")
+    code, _, err = pound("check", "two.yaml")
+    assert (code, err) == (0, "")
+    written = study.replace("{storeys: 2, period: 0.25 s, ", "{storeys: 2, period: 0.25 s, damping: 5 %, ")
+    Path("two.yaml").write_text(written + "uncertain: {buildings.ours.damping: {uniform: {from: 2 %, to: 45 %}}}\n")
+    assert "damping ratio is 45 %" in pound("check", "two.yaml")[2]
+
+
 def test_bootstrap_draws_neighbours_and_motions():
     """The interval of a probability covers that of many tables of both as often as it says, nearly."""
     random = np.random.default_rng(5)

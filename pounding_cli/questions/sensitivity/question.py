@@ -39,6 +39,9 @@ from pounding_cli.questions.sensitivity.tables import (
 )
 from pounding_cli.results.arrays import ResultArrays
 from pounding_cli.study import Plan, Study, make_plan
+from pounding_cli.study.archetypes import KEY as ARCHETYPE
+from pounding_cli.study.archetypes import list_seen
+from pounding_cli.study.axes import sweep_maps
 from pounding_cli.study.expression import Expression, Statement, parse_expression, parse_statement
 from pounding_cli.study.varied_inputs import MotionInput, choose_option
 from pounding_cli.study.vary import read_uncertain
@@ -48,6 +51,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from pounding_cli.batch.solve import Solver
+    from pounding_cli.study.file import Map
 
 BASE_SAMPLES = {"sobol": 256, "morris": 32}
 """Base samples unless the study says how many."""
@@ -109,6 +113,9 @@ class Sensitivity(StudyQuestion):
         self.motion_sets: np.ndarray | None = None
         if len(inputs) < 2 and not problems.found:
             hint = "write two keys or more, e.g. `uncertain: {impact.restitution: {uniform: {from: 0.4, to: 0.65}}}`"
+            swept = _list_swept_neighbours(root)
+            if swept:
+                hint += f"; nothing of {' and '.join(swept)} is varied, as `archetype` is swept there"
             problems.add_at(root, ("uncertain",), "fewer than two keys are uncertain", hint, key=True)
         for each in inputs:
             if isinstance(each, MotionInput):
@@ -235,6 +242,16 @@ class Sensitivity(StudyQuestion):
         if outputs or statements:
             tables.append(build_sample_table(plan, self, [*outputs, *statements]))
         return Answer(plan, arrays, tables)
+
+
+def _list_swept_neighbours(root: Map) -> list[str]:
+    """Return the buildings that are only seen of which nothing is varied, as the study sweeps what they are."""
+    swept_keys = {key for holder in sweep_maps(root) for key in holder}
+    return [
+        seen.name
+        for seen in list_seen(root)
+        if any(key.startswith(f"buildings.{seen.name}.{ARCHETYPE}") for key in swept_keys)
+    ]
 
 
 def _iter_series(

@@ -12,6 +12,8 @@ from pounding_cli.questions.frames import FOUND
 from pounding_cli.questions.sensitivity.tables import INDICES, OUTPUTS, PERCENTILES, PROBABILITIES, SAMPLES
 from pounding_cli.report.background import STIFFNESS_KEY
 from pounding_cli.report.evidence import Evidence, find_nominal
+from pounding_cli.study.archetypes import KEY as ARCHETYPE
+from pounding_cli.study.archetypes import is_sample_key
 from pounding_cli.study.display import key_words
 from pounding_cli.study.varied_inputs import MOTION
 from pounding_cli.study.vary import ANY, BOOTSTRAP
@@ -83,6 +85,9 @@ def list_notes(results: ResultTables) -> list[str]:
             f"Up to {failed} of {samples} have no value: a run failed or the quantity is undefined. Outputs with such "
             "samples have no index, since leaving them out would bias it."
         )
+    swept = {key.split(".")[1] for key in results.axes if f".{ARCHETYPE}" in key and not is_sample_key(key)}
+    if swept:
+        notes.append(f"Nothing of {' and '.join(sorted(swept))} is varied, as `archetype` is swept there.")
     if _has_contact_outputs(results):
         notes.append(f"{CONTACT_NOTE} Add `{STIFFNESS_KEY}` to `uncertain:` to see its influence.")
     count = sum(1 for rows in iter_outputs(results) if rows["outcome"].iloc[0] == FOUND)
