@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from pounding_cli.numbers import NOTHING, Unit, pluralize
-from pounding_cli.questions.expressions import CONTACT_NOTE, ON_CONTACT, describe_output, find_output_unit
+from pounding_cli.questions.expression_words import CONTACT_NOTE, ON_CONTACT, describe_output, find_output_unit
 from pounding_cli.questions.frames import FOUND
 from pounding_cli.questions.sensitivity.tables import INDICES, OUTPUTS, PERCENTILES, PROBABILITIES, SAMPLES
 from pounding_cli.report.background import STIFFNESS_KEY
