@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from pounding_cli.results.results import ResultTables
 
 MAX_OUTPUTS = 6
-"""Outputs with a table and a line of panels; of more, the first are shown."""
+"""Outputs with a table and a line of panels; of more, the first are evidence."""
 
 MAX_STATEMENTS = 4
 """Statements with a sentence each; more are summed up in one."""
