@@ -271,7 +271,8 @@ def _pack_plan(outline: PlanOutline, has_turns: bool) -> dict[str, Any]:
         "high": round_for_page(outline.high),
         "centre": round_for_page(outline.centre if outline.has_plan else 0.5 * (outline.low + outline.high)),
         "depth": round_for_page(outline.depth),
-        "known": outline.has_plan and not outline.depth_source,
+        "known": outline.is_wall or (outline.has_plan and not outline.depth_source),
+        "wall": outline.is_wall,
         "turns": has_turns,
     } | {
         way: [
