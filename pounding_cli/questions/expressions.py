@@ -1,27 +1,18 @@
-"""Expressions over the tables of a study: checked, evaluated at every point, and in words; a study at chosen points."""
+"""Expressions over the tables of a study: checked, and evaluated at every point."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
-from pounding_cli.numbers import Unit
 from pounding_cli.questions.question import StudyQuestion
-from pounding_cli.results.arrays import ResultArrays
-from pounding_cli.results.columns import column_of
-from pounding_cli.results.dataset import find_contacts
 from pounding_cli.solver.response import DONE
-from pounding_cli.study.axes import UNWRITTEN, Axis
 from pounding_cli.study.expression import (
-    CONTACT_QUANTITIES,
     FLOOR,
     LINE,
     LINK,
-    QUANTITIES,
     SHEAR_DEMAND,
     TWIST,
     TWISTING,
@@ -30,18 +21,8 @@ from pounding_cli.study.expression import (
     Statement,
     TableQuantity,
 )
-from pounding_cli.study.file import get
 from pounding_cli.study.group import unique_names
-from pounding_cli.study.plan import Plan
-from pounding_cli.study.study import Study
-from pounding_cli.study.varied_inputs import UncertainInput
-from pounding_cli.tables import Column
-from pounding_cli.variables import LINE_RATIO_VARIABLES, RATIO_VARIABLES, RESPONSE_VARIABLES, VARIABLES
-
-if TYPE_CHECKING:
-    import pandas as pd
-
-    from pounding_cli.results.results import ResultTables
+from pounding_cli.variables import LINE_RATIO_VARIABLES, RATIO_VARIABLES, VARIABLES
 
 Values = Mapping[str, np.ndarray]
 """Variables of a results file by name, shape (..., motions, building, storey), of lines (..., motions, building,
@@ -157,8 +138,6 @@ def _reduce(reduction: str, numbers: np.ndarray, exists: np.ndarray, axes: tuple
     return np.where(exists, numbers, np.inf).min(axis=axes, initial=np.inf)
 
 
-# Expressions of a section, checked
-
 Parsed = TypeVar("Parsed", Expression, Statement)
 
 
@@ -220,136 +199,3 @@ def find_twist_problem(part: TableQuantity, lines: Sequence[int], names: Sequenc
         known = "one line" if count == 1 else f"lines 1 to {count}"
         return f"{name} has {known}", f"write `line 1 of {name}`, as its plan lists them; those across the row are last"
     return None
-
-
-# A study at chosen points: one more axis, on which all keys that vary move together
-
-
-def study_at_points(
-    study: Study, inputs: Sequence[UncertainInput], points: np.ndarray, and_written: bool = False
-) -> Study:
-    """Return the study with one more axis, its last, of some points.
-
-    inputs : what varies
-    points : u of every input, between 0 and 1, shape (points, inputs); no two come to the same values
-    and_written : one more point, the last, stands for the study as it is written
-
-    Raises
-    ------
-    InputError : the study is not sound at one of them
-    """
-    members = [member for each in inputs for member in each.members]
-    rows = key_values_at(inputs, points)
-    if and_written:
-        values_of_study = [get(study.tree, *member.key.split(".")) for member in members]
-        rows.append(tuple(UNWRITTEN if value is None else value for value in values_of_study))
-    names = tuple(member.key for member in members)
-    marks = tuple(member.mark for member in members)
-    units = tuple(member.unit for member in members)
-    axis = Axis(names, rows, [marks] * len(rows), units)
-    return study.with_axes((*study.axes, axis))
-
-
-def key_values_at(inputs: Sequence[UncertainInput], points: np.ndarray) -> list[tuple[object, ...]]:
-    """Return the values at points as the study writes them, one for every key; points as in `study_at_points`."""
-    columns = [member.values(u) for each, u in zip(inputs, points.T, strict=True) for member in each.members]
-    return list(zip(*columns, strict=True)) or [()] * len(points)
-
-
-def build_key_frame(inputs: Sequence[UncertainInput], points: np.ndarray) -> tuple[pd.DataFrame, list[Column]]:
-    """Return the values of every key at points, a column a key, and the columns in the units that people read them in.
-
-    points : as in `study_at_points`
-    """
-    import pandas as pd
-
-    values: dict[str, Any] = {}
-    columns = []
-    for each, u in zip(inputs, points.T, strict=True):
-        for member in each.members:
-            values[member.key] = member.to_column(u)
-            unit = replace(member.unit, si=member.column_unit) if member.column_unit else Unit()
-            columns.append(Column(member.key, f"varies: {member.key}", unit))
-    return pd.DataFrame(values), columns
-
-
-def find_distinct_points(inputs: Sequence[UncertainInput], points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the points that differ in the values of keys, in the order in which they come first, shape (n, inputs);
-    and of every point its place among them, shape (points,)."""
-    first: dict[str, int] = {}
-    places = np.array([first.setdefault(repr(values), len(first)) for values in key_values_at(inputs, points)])
-    _, first_points = np.unique(places, return_index=True)
-    return points[first_points], places
-
-
-# Expressions in words
-
-ON_CONTACT = "depends on the contact stiffness"
-"""Stands beside such a number."""
-
-_RESPONSES = {variable.name for variable in RESPONSE_VARIABLES}
-
-CONTACT_NOTE = (
-    "Where floors strike, accelerations, link forces and contact times depend on the contact stiffness, which is "
-    "unknown: the first two grow with its square root."
-)
-
-
-def find_struck_buildings(
-    plan: Plan, arrays: ResultArrays, case: int, analysis: int, points: Sequence[int]
-) -> frozenset[int]:
-    """Return the places of the buildings whose floors strike in a case and analysis, at any of some points.
-
-    points : of the last axis; of the others all
-    """
-    if not plan.links.places:
-        return frozenset()
-    kind = arrays["kind"].values[..., case, :]
-    impacts = arrays["impacts"].values[..., list(points), case, analysis, :, :]
-    is_contact = find_contacts(plan, kind).reshape(-1, kind.shape[-1]).any(axis=0)
-    is_struck = np.logical_and((impacts.reshape(-1, impacts.shape[-1]) > 0).any(axis=0), is_contact)
-    return frozenset(
-        building
-        for place, struck in zip(plan.links.places, is_struck.tolist(), strict=True)
-        if struck
-        for building in (place.left, place.left + 1)
-    )
-
-
-def depends_on_contact(expression: Expression, struck: frozenset[int]) -> bool:
-    """Return whether an expression has a quantity that depends on the contact stiffness, where some buildings strike.
-
-    struck : places of these buildings, as `find_struck_buildings`
-    """
-    return any(
-        part.name in CONTACT_QUANTITIES and (bool(struck) if part.building is None else part.building in struck)
-        for part in expression.quantities
-    )
-
-
-def find_output_unit(results: ResultTables, text: str, si: str) -> Unit:
-    """Return the unit in which people read the values of an expression.
-
-    It is that of the quantities of the expression where these agree, otherwise SI.
-
-    text : the expression
-    si : its SI unit; "" or "1" of a pure number
-    """
-    if si in ("", "1"):
-        return Unit("", 1.0, "1")
-    names = {name for name in re.findall(r"[^\W\d]\w*", text) if QUANTITIES.get(name) == si}
-    units = {column_of(name, results.units).unit for name in names}
-    return units.pop() if len(units) == 1 else Unit(si.replace("m/s2", "m/s²"), 1.0, si)
-
-
-def describe_output(text: str) -> str:
-    """Return an expression with its quantities as people call them: "largest V/V₀ in stiff"."""
-
-    def rename(match: re.Match[str]) -> str:
-        name = match[0]
-        is_name_of_building = match.string[: match.start()].rstrip().endswith((" in", " of"))
-        if name not in _RESPONSES or is_name_of_building:
-            return name
-        return VARIABLES[name].label or name.replace("_", " ")
-
-    return re.sub(r"[^\W\d]\w*", rename, text).replace("largest largest", "largest")

@@ -74,8 +74,8 @@ def describe_seen(
         value = seen[key] if not is_swept else (row or {}).get(f"{path}.{key}")
         if value is not None:
             known.append(pluralize(int(value), "storey") if key == "storeys" else str(value))
-    shown = name or building_type
-    return f"{shown} ({', '.join(known)})" if known else shown
+    label = name or building_type
+    return f"{label} ({', '.join(known)})" if known else label
 
 
 def note_median_buildings(results: ResultTables) -> str:

@@ -41,7 +41,7 @@ def build_report(
             message = f"there are no figures over a sweep to choose: {reason}"
             raise InputError(Problem(message, "leave `choice` out", str(results.path)))
         options = {"choice": choice}
-    shown = find_nominal(results.first_sample() if question.is_sampled else results)
+    evidence = find_nominal(results.first_sample() if question.is_sampled else results)
     sample_keys = results.swept[-1] if question.is_sampled else ()
     of_file = "" if question.scope is None else "In the time histories of the file: "
     notes = [*question.notes(results), *(f"{of_file}{note}" for note in implausible_results(results, sample_keys))]
@@ -51,23 +51,23 @@ def build_report(
         from pounding_cli.report.from_above import list_plan_sections
 
         return [
-            *list_plan_sections(shown),
+            *list_plan_sections(evidence),
             *question.further_sections(results, **options),
             *further,
-            *build_background(results, shown, question.is_sampled),
+            *build_background(results, evidence, question.is_sampled),
         ]
 
     def sketch() -> Figure:
         from pounding_cli.report.figures import draw_sketch
 
-        return draw_sketch(shown)
+        return draw_sketch(evidence)
 
     return Report(
         results.title,
         answer,
         lambda: question.figures(results),
         more,
-        describe_scope(results, shown, question.is_sampled) if question.scope is None else question.scope(results),
+        describe_scope(results, evidence, question.is_sampled) if question.scope is None else question.scope(results),
         sketch if question.scope is None else None,
         results.study_text,
     )

@@ -45,25 +45,25 @@ ADVICE = (
 """What is said where floors strike and the impact stiffness has one value."""
 
 
-def describe_scope(results: ResultTables, shown: Evidence, is_sampled: bool) -> str:
+def describe_scope(results: ResultTables, evidence: Evidence, is_sampled: bool) -> str:
     """Return in one line what was computed.
 
-    shown : the point of the sweep that the answer and its figures are about
+    evidence : the point of the sweep that the answer and its figures are about
     is_sampled : whether the points are samples
     """
     points = len(results.scene()[list(results.axes)].drop_duplicates()) if results.axes else 1
     parts = [
-        pluralize(len(shown.group), "building"),
-        pluralize(len(shown.cases), "case"),
-        " and ".join(shown.analyses),
-        pluralize(len(shown.records), "motion"),
+        pluralize(len(evidence.group), "building"),
+        pluralize(len(evidence.cases), "case"),
+        " and ".join(evidence.analyses),
+        pluralize(len(evidence.records), "motion"),
     ]
     if points > 1:
         parts.append(pluralize(points, "different sample") if is_sampled else f"{points} points of a sweep")
     return f"{', '.join(parts)}: {pluralize(len(results.scene()), 'row')}."
 
 
-def build_background(results: ResultTables, shown: Evidence, is_sampled: bool) -> list[Section]:
+def build_background(results: ResultTables, evidence: Evidence, is_sampled: bool) -> list[Section]:
     """Return the sections that stand behind every answer: limits, motions, what was simulated, tables, study.
 
     is_sampled : whether the points are samples, whose tables of scenes say nothing by themselves
@@ -78,8 +78,8 @@ def build_background(results: ResultTables, shown: Evidence, is_sampled: bool) -
     )
     return [
         *_build_limits(results),
-        _build_motions(results, shown),
-        _build_simulated(results, shown),
+        _build_motions(results, evidence),
+        _build_simulated(results, evidence),
         Section("Tables", [where], tables, folded=True),
         _build_study(results),
     ]
@@ -130,17 +130,17 @@ def _build_limits(results: ResultTables) -> list[Section]:
     return [Section("What limits these numbers", sentences)] if sentences else []
 
 
-def _build_motions(results: ResultTables, shown: Evidence) -> Section:
+def _build_motions(results: ResultTables, evidence: Evidence) -> Section:
     frame, point = _motions_as_written(results)
     columns = [
         replace(column_of(str(name), results.units), label="motion" if name == "record" else "") for name in frame
     ]
-    said, pictures = [describe_motions(shown.records), *_varied_motions(results, point)], []
+    said, pictures = [describe_motions(evidence.records), *_varied_motions(results, point)], []
     if (match := results.spectrum_match) is not None:
         said.append(match.words)
         from pounding_cli.report.motions import draw_spectra  # with matplotlib; a terminal does not need it
 
-        draw = partial(draw_spectra, match, results.title, shown.unit("acceleration"))
+        draw = partial(draw_spectra, match, results.title, evidence.unit("acceleration"))
         text = "The target, the mean of the spectra of the motions as used, and each of them."
         pictures.append(Picture("target-spectrum", "Target spectrum", text, draw))
     at = f" at {format_point(results, point)}" if point else ""
@@ -205,14 +205,14 @@ def _varied_motions(results: ResultTables, point: Mapping[str, Any]) -> list[str
     return [f"The motions are varied: {'; '.join(ranges)}."] if ranges else []
 
 
-def _build_simulated(results: ResultTables, shown: Evidence) -> Section:
+def _build_simulated(results: ResultTables, evidence: Evidence) -> Section:
     scene = results.scene()
     histories = count_histories(int(results.attrs["scenes"]))
     said = [
         f"{pluralize(len(scene), 'row')} of {histories}: each different one is solved once, buildings alone included."
     ]
     said += _open_gaps(scene)
-    tables, failed = [_build_cases(shown), _build_effects(scene, has_plans(shown))], failed_scenes(scene)
+    tables, failed = [_build_cases(evidence), _build_effects(scene, has_plans(evidence))], failed_scenes(scene)
     if len(failed):
         said.append("The means and tables leave failed rows out.")
         rows = [
@@ -230,11 +230,11 @@ def format_row_place(row: Mapping[Any, Any], units: Mapping[str, Unit]) -> str:
     return ", ".join(f"{k} = {units[k].text(v)}" if k in units else str(v) for k, v in place.items())
 
 
-def _build_cases(shown: Evidence) -> Table:
+def _build_cases(evidence: Evidence) -> Table:
     """Return the table of cases with their links in words."""
-    unit, rows = shown.unit("gap"), []
-    links = shown.link[shown.link["kind"] != Apart.name].drop_duplicates(["case", "link"])
-    for case in shown.cases:
+    unit, rows = evidence.unit("gap"), []
+    links = evidence.link[evidence.link["kind"] != Apart.name].drop_duplicates(["case", "link"])
+    for case in evidence.cases:
         mine = links[links["case"] == case]
         kinds = Counter(zip(mine["kind"], mine["gap"], strict=True))
         words = [f"{count} × {kind}, gap {unit.text(gap)}" for (kind, gap), count in kinds.items()]

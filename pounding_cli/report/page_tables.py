@@ -49,7 +49,7 @@ class PageTable:
 
     @property
     def more_rows(self) -> int:
-        """The number of rows that are not shown."""
+        """The number of rows that are not evidence."""
         return len(self.table.frame) - len(self.cells)
 
 

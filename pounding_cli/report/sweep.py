@@ -191,10 +191,10 @@ Panels = list[tuple[str, str, dict[str, xr.Dataset]]]
 """The panels of a figure: a quantity, its analysis, and its numbers by case."""
 
 
-def list_sweep_pictures(results: ResultTables, shown: Evidence, choice: SweepChoice | None = None) -> list[Picture]:
+def list_sweep_pictures(results: ResultTables, evidence: Evidence, choice: SweepChoice | None = None) -> list[Picture]:
     """Return the figures over the sweep: maps over its two longest axes, or curves over one; none without a sweep.
 
-    shown : the point at which axes are cut that are neither drawn nor in `choice.at`
+    evidence : the point at which axes are cut that are neither drawn nor in `choice.at`
 
     Raises
     ------
@@ -202,23 +202,23 @@ def list_sweep_pictures(results: ResultTables, shown: Evidence, choice: SweepCho
     """
     is_chosen = choice is not None and choice != SweepChoice()
     choice = choice or SweepChoice()
-    _check_places(choice, shown)
-    axes, index, cut = _cut_axes(results, shown, choice)
+    _check_places(choice, evidence)
+    axes, index, cut = _cut_axes(results, evidence, choice)
     if is_chosen and not axes:
         message = "no swept key with two values is left to draw figures over"
         raise InputError(Problem(message, "leave one of the swept keys out of --where, or all options of the figures"))
     kind, draw = ("map", draw_maps) if len(axes) == 2 else ("sweep", draw_sweep_curves)
     pictures: list[Picture] = []
     drawn: set[str] = set()
-    for name, building, wanted in _iter_figures(shown, choice) if axes else ():
+    for name, building, wanted in _iter_figures(evidence, choice) if axes else ():
         places = dict(choice.places) | ({"building": building} if building else {})
         panels = Panels()
         for analysis, quantity in wanted:
-            if by_case := _select_by_case(results, shown, quantity, {**places, "analysis": analysis}, index):
+            if by_case := _select_by_case(results, evidence, quantity, {**places, "analysis": analysis}, index):
                 panels.append((quantity, analysis, by_case))
         if not panels:
             continue
-        drawing = partial(draw, shown, building, axes, panels, _build_caption(shown, places, cut, panels))
+        drawing = partial(draw, evidence, building, axes, panels, _build_caption(evidence, places, cut, panels))
         text = "Means over the motions at their largest place, case by case."
         heading = f"{name.replace('-', ', ')} over the sweep"
         pictures.append(Picture(f"{name}-{kind}", heading, text, drawing, kind == "map"))
@@ -231,7 +231,7 @@ def list_sweep_pictures(results: ResultTables, shown: Evidence, choice: SweepCho
 
 
 def _cut_axes(
-    results: ResultTables, shown: Evidence, choice: SweepChoice
+    results: ResultTables, evidence: Evidence, choice: SweepChoice
 ) -> tuple[list[SweptAxis], dict[str, Any], dict[str, Any]]:
     """Return the axes that are drawn, the index of every axis, and the values at which the others are cut.
 
@@ -252,7 +252,7 @@ def _cut_axes(
         if axis.keys[0] in index:
             continue
         chosen = {key: choice.at[key] for key in axis.keys if key in choice.at}
-        given = chosen or {key: shown.point[key] for key in axis.keys}
+        given = chosen or {key: evidence.point[key] for key in axis.keys}
         points = [dict(zip(axis.keys, point, strict=True)) for point in axis.points]
         numbers = [number for number, point in enumerate(points) if given.items() <= point.items()]
         if not numbers:
@@ -262,22 +262,22 @@ def _cut_axes(
     return axes, index, cut
 
 
-def _check_places(choice: SweepChoice, shown: Evidence) -> None:
+def _check_places(choice: SweepChoice, evidence: Evidence) -> None:
     """Raise `InputError` for a place that no figure can have, for any quantity."""
     for name, place in choice.places.items():
         if place == WORST and name not in ("case", "building"):
             hint = f"write one {name}; `{WORST}` stands for a case or a building"
             raise InputError(Problem(f"there is no worst {name}", hint))
-    analysis = choice.places.get("analysis", shown.analyses[0])
-    if analysis not in shown.analyses:
-        raise InputError(Problem(f"there is no analysis {analysis!r}", f"write one of: {', '.join(shown.analyses)}"))
+    analysis = choice.places.get("analysis", evidence.analyses[0])
+    if analysis not in evidence.analyses:
+        raise InputError(Problem(f"there is no analysis {analysis!r}", f"write one of: {', '.join(evidence.analyses)}"))
 
 
-def _iter_figures(shown: Evidence, choice: SweepChoice) -> Iterator[tuple[str, str, list[tuple[str, str]]]]:
+def _iter_figures(evidence: Evidence, choice: SweepChoice) -> Iterator[tuple[str, str, list[tuple[str, str]]]]:
     """Yield name and building of every figure, and analysis and quantity of its panels."""
     fixed = choice.places
-    analyses = [fixed["analysis"]] if "analysis" in fixed else shown.analyses
-    buildings = [fixed["building"]] if "building" in fixed else shown.group[:MOST_BUILDINGS]
+    analyses = [fixed["analysis"]] if "analysis" in fixed else evidence.analyses
+    buildings = [fixed["building"]] if "building" in fixed else evidence.group[:MOST_BUILDINGS]
     on_links = {variable.name for variable in RESPONSE_VARIABLES if variable.dims[-1] == "link"} | set(OF_SCENES)
     for building in buildings if not choice.quantities else ():
         yield building, building, [(analysis, quantity) for analysis, quantity in PANELS if analysis in analyses]
@@ -288,11 +288,11 @@ def _iter_figures(shown: Evidence, choice: SweepChoice) -> Iterator[tuple[str, s
 
 
 def _select_by_case(
-    results: ResultTables, shown: Evidence, quantity: str, places: Mapping[str, Any], index: Mapping[str, Any]
+    results: ResultTables, evidence: Evidence, quantity: str, places: Mapping[str, Any], index: Mapping[str, Any]
 ) -> dict[str, xr.Dataset]:
     """Return a quantity by case; cases that have none of it are left out."""
     by_case = {}
-    for case in [places["case"]] if "case" in places else shown.plotted_cases[:MAX_FIGURE_CASES]:
+    for case in [places["case"]] if "case" in places else evidence.plotted_cases[:MAX_FIGURE_CASES]:
         named = {name: place for name, place in {**places, "case": case}.items() if place != WORST}
         over = over_sweep(results, quantity, named, index)
         if np.isfinite(over["mean"]).any():
@@ -300,26 +300,26 @@ def _select_by_case(
     return by_case
 
 
-def _build_caption(shown: Evidence, places: Mapping[str, Any], cut: Mapping[str, Any], panels: Panels) -> str:
+def _build_caption(evidence: Evidence, places: Mapping[str, Any], cut: Mapping[str, Any], panels: Panels) -> str:
     """Return the caption of a figure, without its last full stop."""
     where = [f"{name} {place}" for name, place in places.items() if name in ("record", *PLACE_DIMS)]
-    where += [f"{key} = {shown.results.value_label(key, value)}" for key, value in cut.items()]
-    mean = f"Mean over the {pluralize(len(shown.records), 'motion')}, at the place where it is largest"
-    sentences = [describe_motions(shown.records)]
+    where += [f"{key} = {evidence.results.value_label(key, value)}" for key, value in cut.items()]
+    mean = f"Mean over the {pluralize(len(evidence.records), 'motion')}, at the place where it is largest"
+    sentences = [describe_motions(evidence.records)]
     depends = any(quantity in CONTACT_QUANTITIES for quantity, *_ in panels)
-    if depends and has_contacts(shown.results.link("kind", "impacts")):
+    if depends and has_contacts(evidence.results.link("kind", "impacts")):
         sentences.append(CONTACT_SENTENCE)
     return "; ".join([" ".join([*sentences, mean]), *where])
 
 
-def _finish(figure: Figure, shown: Evidence, building: str, panels: Panels, words: str, mark: str) -> Figure:
+def _finish(figure: Figure, evidence: Evidence, building: str, panels: Panels, words: str, mark: str) -> Figure:
     """Add title and caption.
 
     mark : of numbers without meaning, which the caption explains where there are some
     """
     if any(over["void"].any() for *_, by_case in panels for over in by_case.values()):
         words += f" {mark}: not meaningful for some motions."
-    finish(figure, ": ".join(filter(None, ("Over the sweep", building, shown.title))), words)
+    finish(figure, ": ".join(filter(None, ("Over the sweep", building, evidence.title))), words)
     return figure
 
 
@@ -337,7 +337,9 @@ def _set_axis(ax: Axes, side: str, axis: SweptAxis, width: int, room: int = 80) 
 
 
 @with_style
-def draw_sweep_curves(shown: Evidence, building: str, axes: Sequence[SweptAxis], panels: Panels, words: str) -> Figure:
+def draw_sweep_curves(
+    evidence: Evidence, building: str, axes: Sequence[SweptAxis], panels: Panels, words: str
+) -> Figure:  # fmt: skip
     """Draw the mean over the motions with its spread over a swept axis, a line a case.
 
     building : filled in the drawing of the group
@@ -349,7 +351,7 @@ def draw_sweep_curves(shown: Evidence, building: str, axes: Sequence[SweptAxis],
     columns = min(len(panels), 2)
     x = axis.coordinates
     is_scale = axis.numeric
-    figure, lines = new_framed_panels(shown, building, -(-len(panels) // columns), columns, (4.0, 3.2), cases)
+    figure, lines = new_framed_panels(evidence, building, -(-len(panels) // columns), columns, (4.0, 3.2), cases)
     flat = [ax for line in lines for ax in line]
     for ax, (quantity, analysis, by_case) in zip(flat, panels, strict=False):
         for case, over in by_case.items():
@@ -367,7 +369,7 @@ def draw_sweep_curves(shown: Evidence, building: str, axes: Sequence[SweptAxis],
             ax.plot(x, mean, color=color, ls=line, marker=marker, ms=size, lw=1.6, zorder=2.5)
             ax.plot(x[void], mean[void], marker, mfc="white", mec="0.45", ms=size + 1, zorder=3)
         ax.set_title(analysis.capitalize(), loc="left")
-        ax.set_ylabel(column_of(quantity, shown.results.units).head)
+        ax.set_ylabel(column_of(quantity, evidence.results.units).head)
         if is_ratio(quantity):  # 1 stands for the building alone
             ax.axhline(1, color="0.35", lw=1.0, zorder=1)
         _set_axis(ax, "x", axis, 0 if is_scale else max(34 // len(x), 9))
@@ -376,11 +378,11 @@ def draw_sweep_curves(shown: Evidence, building: str, axes: Sequence[SweptAxis],
     for ax in flat[len(panels) :]:
         ax.axis("off")
     words = f"{words}; bands: one standard deviation either way."
-    return _finish(figure, shown, building, panels, words, "Open grey markers")
+    return _finish(figure, evidence, building, panels, words, "Open grey markers")
 
 
 @with_style
-def draw_maps(shown: Evidence, building: str, axes: Sequence[SweptAxis], panels: Panels, words: str) -> Figure:
+def draw_maps(evidence: Evidence, building: str, axes: Sequence[SweptAxis], panels: Panels, words: str) -> Figure:
     """Draw a line of panels for each quantity, a panel for each case; the second axis is across.
 
     Points are cells of one size, with their numbers where all have room; hatched where they mean nothing. All panels
@@ -393,9 +395,9 @@ def draw_maps(shown: Evidence, building: str, axes: Sequence[SweptAxis], panels:
     sizes = [len(axis.points) for axis in axes]
     few = max(sizes) <= MOST_TICKS
     along, across = (1.4 + 0.34 * max(size, 3) if few else 3.7 for size in sizes)
-    figure, lines = new_framed_panels(shown, building, len(panels), columns, (across, along))
+    figure, lines = new_framed_panels(evidence, building, len(panels), columns, (across, along))
     values = np.concatenate([over["mean"].values.ravel() for *_, by_case in panels for over in by_case.values()])
-    labels = list(dict.fromkeys(column_of(quantity, shown.results.units).head for quantity, *_ in panels))
+    labels = list(dict.fromkeys(column_of(quantity, evidence.results.units).head for quantity, *_ in panels))
     are_ratios = all(is_ratio(quantity) for quantity, *_ in panels)
     colours = _ratio_colours(values) if are_ratios else _colours(values)
     for line, (_, analysis, by_case) in zip(lines, panels, strict=True):
@@ -413,7 +415,7 @@ def draw_maps(shown: Evidence, building: str, axes: Sequence[SweptAxis], panels:
         bar.ax.set_ylim(min(np.nanmin(values), 1 / LEAST_SPREAD), max(np.nanmax(values), LEAST_SPREAD))
         bar.ax.axhline(1, color="black", lw=1.6)
         words += ". White, and the line across the scale: as the building alone"
-    return _finish(figure, shown, building, panels, f"{words}. Grey: no number.", "Hatched")
+    return _finish(figure, evidence, building, panels, f"{words}. Grey: no number.", "Hatched")
 
 
 def is_ratio(quantity: str) -> bool:

@@ -33,7 +33,7 @@ MOST_BYTES = 12_000_000
 """Size of all series of a page together, as text."""
 
 
-def build_explorer_data(results: ResultTables, shown: Evidence) -> dict[str, Any]:
+def build_explorer_data(results: ResultTables, evidence: Evidence) -> dict[str, Any]:
     """Return axes and quantities; no quantities where none has room or a number.
 
     `mean`, `low`, `high` of a quantity: over case, motion, analysis, building or pair, level and the points of the
@@ -42,9 +42,9 @@ def build_explorer_data(results: ResultTables, shown: Evidence) -> dict[str, Any
     count of motions whose numbers are not meaningful. `cut`: a sentence on what the page leaves out.
     """
     axes = list_swept_axes(results)
-    data = results.data.sel(case=shown.cases[:MAX_PAGE_CASES])
+    data = results.data.sel(case=evidence.cases[:MAX_PAGE_CASES])
     dims = [axis.keys[0] for axis in axes]
-    motions = shown.names("record")
+    motions = evidence.names("record")
     arrays = _select_arrays(data)
     size = sum(values.size for values in arrays.values()) * (3 / len(motions) + (len(motions) > 1))
     is_whole = size <= MOST_VALUES
@@ -59,13 +59,13 @@ def build_explorer_data(results: ResultTables, shown: Evidence) -> dict[str, Any
         "quantities": [_pack_quantity(name, values, is_whole, dims, results) for name, values in arrays.items()],
         "cases": data["case"].values.tolist(),
         "looks": [to_page_look(look) for look in looks(data["case"].values.tolist()).values()],
-        "analyses": shown.analyses,
+        "analyses": evidence.analyses,
         "motions": [MEAN, *(motions if is_whole and len(motions) > 1 else [])],
         "void": void.values.ravel().tolist(),
         "cut": _describe_cut(is_whole, len(arrays), quantity_count),
         "heights": is_whole,
-        "building": shown.main_building,
-        "point": [axis.points.index(tuple(shown.point[key] for key in axis.keys)) for axis in axes],
+        "building": evidence.main_building,
+        "point": [axis.points.index(tuple(evidence.point[key] for key in axis.keys)) for axis in axes],
     }
 
 
@@ -271,7 +271,8 @@ def _pack_plan(outline: PlanOutline, has_turns: bool) -> dict[str, Any]:
         "high": round_for_page(outline.high),
         "centre": round_for_page(outline.centre if outline.has_plan else 0.5 * (outline.low + outline.high)),
         "depth": round_for_page(outline.depth),
-        "known": outline.has_plan and not outline.depth_source,
+        "known": outline.is_wall or (outline.has_plan and not outline.depth_source),
+        "wall": outline.is_wall,
         "turns": has_turns,
     } | {
         way: [

@@ -38,7 +38,7 @@ _PLACES = {"building": "{}", "storey": "storey {}", "line": "line {}", "floor": 
 
 @dataclass(frozen=True)
 class Place:
-    """Where a value stands: the index on every dimension of its variable, and the value in words."""
+    """Place of a value: the index on every dimension of its variable, and the value in words."""
 
     index: Mapping[str, int]
     text: str

@@ -41,7 +41,7 @@ SCALARS = (
 ENERGIES = ("input", "kinetic", "stored", "damping", "hysteresis", "links", "residual")
 
 PARTS = {"building.": (*STOREYS, *BASES, *COLLAPSES, *TURNS), "line.": LINES, "link.": LINKS, "columns.": COLUMNS}
-"""What names in `Responses.values` begin with -> the peaks of a response."""
+"""Beginning of names in `Responses.values` -> the peaks of a response."""
 
 Row = tuple[str, bytes]
 """A response: TEXTS and the arguments of `row_type` as JSON, and its numbers, a record of that type."""

@@ -228,8 +228,8 @@ class FoundationSpec(Model):
                 yield (), f"'{inert}' is missing: '{stiffness}' needs it", hint
             for name in (inert, dashpot):
                 if not moves and getattr(self, name) > 0:
-                    what = f"'{name}' has no effect without '{stiffness}'"
-                    yield (name,), what, f"give '{stiffness}' too, or remove it"
+                    message = f"'{name}' has no effect without '{stiffness}'"
+                    yield (name,), message, f"give '{stiffness}' too, or remove it"
         if not self.sways and self.rocking_stiffness is None:
             hint = "give 'sway_stiffness' or 'rocking_stiffness', or write `foundation: fixed`"
             yield (), "this foundation cannot move", hint
@@ -413,8 +413,9 @@ class _BuildingSpec(Model):
             doubled = (*doubled, "yield_", "yield_shear")
         for name in doubled:
             if name in self.model_fields_set:
-                what = f"'{name.strip('_')}' and the lines of 'plan' both give the same"
-                yield (name.strip("_"),), what, "remove it: the lines add up to it; or write shares in the lines", True
+                message = f"'{name.strip('_')}' and the lines of 'plan' both give the same"
+                hint = "remove it: the lines add up to it; or write shares in the lines"
+                yield (name.strip("_"),), message, hint, True
 
     def issues(self) -> Iterator[SpecIssue]:
         if self.wall is not None:
@@ -428,28 +429,28 @@ class _BuildingSpec(Model):
         tapered = () if isinstance(self.stiffness, StiffnessAtSpec) else (("stiffness", "taper"),)
         for one, other in (("stiffness", "period"), *tapered, ("yield_shear", "yield_"), ("rayleigh", "damping")):
             if {one, other} <= self.model_fields_set:
-                what = f"'{one}' and '{other.strip('_')}' cannot both be given"
-                yield (one,), what, f"remove one: '{one}' stands in place of the other", True
+                message = f"'{one}' and '{other.strip('_')}' cannot both be given"
+                yield (one,), message, f"remove one: '{one}' stands in place of the other", True
         if self.count is None:
             yield (), "'storeys' is missing", "write the number of storeys, e.g. `storeys: 5`"
         for name, length in self.lengths.items():
             if self.count is not None and length != self.count:
-                what = f"{name} has {pluralize(length, 'value')} for {pluralize(self.count, 'storey')}"
+                message = f"{name} has {pluralize(length, 'value')} for {pluralize(self.count, 'storey')}"
                 hint = f"write {pluralize(self.count, 'value')} from the ground up"
-                yield tuple(int(key) if key.isdigit() else key for key in name.split(".")), what, hint
+                yield tuple(int(key) if key.isdigit() else key for key in name.split(".")), message, hint
         yield from self._find_plan_issues()
         if self.period is None and self.stiffness is None and not self.gives_stiffness_in_plan:
             yield (), "this building has neither 'period' nor 'stiffness'", "write e.g. `period: 0.36 s`"
         thinnest = min(self.height) if isinstance(self.height, tuple) else self.height
         if self.slab >= thinnest:
-            what = f"a slab of {self.slab:g} m is not thinner than a storey of {thinnest:g} m"
-            yield ("slab",), what, "write the thickness of the floor slab, e.g. `slab: 25 cm`"
+            message = f"a slab of {self.slab:g} m is not thinner than a storey of {thinnest:g} m"
+            yield ("slab",), message, "write the thickness of the floor slab, e.g. `slab: 25 cm`"
         law = storey_laws()[self.storey_law]
         for owner in storey_laws().values():
             for name in own_parameters(owner).keys() - own_parameters(law).keys():
                 if getattr(self, name) is not None:
-                    what = f"'{name}' does not apply to storey_law: {law.name}"
-                    yield (name,), what, f"remove it; it belongs to {owner.name}", True
+                    message = f"'{name}' does not apply to storey_law: {law.name}"
+                    yield (name,), message, f"remove it; it belongs to {owner.name}", True
         for name, declared in own_parameters(law).items():
             if getattr(self, name) is None and not isinstance(law.parameters()[name].default, str | float | int):
                 yield (), f"'{name}' is missing", f"storey_law: {law.name} needs it: {declared.description}"

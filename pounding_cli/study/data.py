@@ -161,5 +161,5 @@ def quantity(form: Quantity, value: Any, key: str) -> float:
     try:
         return float(form.read(value))
     except PydanticCustomError as refused:
-        said = refused.context or {}
-        raise InputError(Problem(said.get("message", str(refused)), said.get("hint", ""), key)) from None
+        context = refused.context or {}
+        raise InputError(Problem(context.get("message", str(refused)), context.get("hint", ""), key)) from None

@@ -239,9 +239,9 @@ def parse_value(text: str, source: str) -> Any:
         value, _ = reader.document()
         reader.problems.check()
     except yaml.YAMLError as error:
-        what = error.problem if isinstance(error, yaml.MarkedYAMLError) and error.problem else "unreadable"
+        message = error.problem if isinstance(error, yaml.MarkedYAMLError) and error.problem else "unreadable"
         hint = "check its brackets, quotes and commas; put quotes of YAML around a text with signs"
-        raise InputError(Problem(f"the value is not YAML: {what}", hint, source)) from None
+        raise InputError(Problem(f"the value is not YAML: {message}", hint, source)) from None
     except InputError as refused:
         raise InputError([replace(each, line=0, column=0) for each in refused.problems]) from None
     return value
@@ -356,9 +356,9 @@ class _Reader:
 
     def refuse_decimal(self, before: Any, after: Any) -> None:
         """Refuse a number with a decimal comma."""
-        what = f"'{before.value},{after.value}' has a decimal comma: inside brackets a comma ends the value"
+        message = f"'{before.value},{after.value}' has a decimal comma: inside brackets a comma ends the value"
         hint = f"write `{before.value}.{after.value}`, or a blank after the comma of two values"
-        self.refuse(_mark(before), what, hint)
+        self.refuse(_mark(before), message, hint)
 
     def refuse_decimal_commas(self, events: list[Any]) -> None:
         """Refuse the numbers of a list that have decimal commas: a number without a unit before one that has it, or
@@ -426,10 +426,10 @@ def _syntax(file: str, error: yaml.MarkedYAMLError, text: str) -> Problem:
     """Return the problem of a text that is no YAML, with the slip that it comes from where that is known."""
     mark = error.problem_mark or error.context_mark
     line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
-    what = error.problem or "unreadable"
+    message = error.problem or "unreadable"
     lines = text.split("\n")
     if error.context and error.context_mark and error.context_mark.line + 1 != line:
-        what += f" ({error.context} that begins in line {error.context_mark.line + 1})"
+        message += f" ({error.context} that begins in line {error.context_mark.line + 1})"
     for number in () if "flow" in str(error.context) else (line, line - 1):
         row = "".join(lines[number - 1 : number])[:200] if number > 0 else ""
         if slip := MISSING_BLANK.match(row.strip().removeprefix("- ")):
@@ -437,11 +437,11 @@ def _syntax(file: str, error: yaml.MarkedYAMLError, text: str) -> Problem:
             indent = len(row) - len(row.lstrip())
             return Problem(message, f"write `{slip[1]}: {slip[2]}`", file, number, indent + 1)
     hint = "check brackets, quotes, commas, indentation and # around this place; a # hides the rest of its line"
-    if "\t" in what or "".join(lines[line - 1 : line]).lstrip(" ").startswith("\t"):
+    if "\t" in message or "".join(lines[line - 1 : line]).lstrip(" ").startswith("\t"):
         hint = "indent with spaces: YAML does not allow tabs"
-    elif "mapping values are not allowed" in what:
+    elif "mapping values are not allowed" in message:
         hint = "put quotes around a value that holds ': '"
-    return Problem(f"this is not YAML: {what}", hint, file, line, column)
+    return Problem(f"this is not YAML: {message}", hint, file, line, column)
 
 
 class Problems:

@@ -195,15 +195,15 @@ def format_meetings(group: Sequence[Building]) -> list[str]:
         for strike in strikes:
             columns = (left, right)[strike.side]
             slab = (right, left)[strike.side]
-            said = f"floor {strike.slab} of {slab.name} strikes columns of {columns.name} in storey {strike.storey}"
-            said += f", at {100 * strike.height:.3g} % of its height"
+            sentence = f"floor {strike.slab} of {slab.name} strikes columns of {columns.name} in storey {strike.storey}"
+            sentence += f", at {100 * strike.height:.3g} % of its height"
             if columns.columns is None:
-                said = f"left out: {said}; write `columns:` in {columns.name}"
+                sentence = f"left out: {sentence}; write `columns:` in {columns.name}"
             elif columns.columns == 0.0:
-                said = f"floor {strike.slab} of {slab.name} meets storey {strike.storey} of {columns.name}, "
-                said += "which has no columns to strike"
+                sentence = f"floor {strike.slab} of {slab.name} meets storey {strike.storey} of {columns.name}, "
+                sentence += "which has no columns to strike"
             else:
-                said += f", {100 * columns.columns:.3g} % of the storey"
-            found.append((slab.level(strike.slab), said))
-        lines += [f"{pair}{height:g} m: {said}" for height, said in sorted(found)]
+                sentence += f", {100 * columns.columns:.3g} % of the storey"
+            found.append((slab.level(strike.slab), sentence))
+        lines += [f"{pair}{height:g} m: {sentence}" for height, sentence in sorted(found)]
     return lines

@@ -47,8 +47,8 @@ def warn_case(
         compared = _compare_link(law, group) if law is not None else {}
         stiffness = link.values.get("stiffness")
         if stiffness is not None and "stiffness" in compared:
-            at = link.paths["stiffness"]
-            _warn_compared(group.stiffness(stiffness), root, at, compared["stiffness"], doubts)
+            key_path = link.paths["stiffness"]
+            _warn_compared(group.stiffness(stiffness), root, key_path, compared["stiffness"], doubts)
         quantities = list_quantities(type(link.spec))
         for key, path in link.paths.items():
             quantity = quantities[key][1]
@@ -140,8 +140,10 @@ def _warn_stiff_damper(law: Viscous, group: Group, root: Any, path: KeyPath, dou
     dashpot = f"near rest the viscous damper is a dashpot of {slope:.2g} N s/m, beside a floor of {lightest:.3g} kg"
     cost = f"it takes up to {steps:.1g} steps for each second in which the floors hardly move"
     hint = f"write `straight_below: 1 mm/s` for fewer, or an `exponent` nearer 1; otherwise leave it, {AS_MEANT}"
-    at: KeyPath = (*path, "exponent")
-    doubts.add(root, at, at, f"{dashpot}: {cost}", hint, excess=float(np.log10(steps / MAX_STEPS_PER_SECOND)))
+    key_path: KeyPath = (*path, "exponent")
+    doubts.add(
+        root, key_path, key_path, f"{dashpot}: {cost}", hint, excess=float(np.log10(steps / MAX_STEPS_PER_SECOND))
+    )
 
 
 def _takes_impact_stiffness(law: LinkLaw, link: CompleteLink) -> bool:

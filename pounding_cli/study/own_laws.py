@@ -77,20 +77,20 @@ def _find_bad_parameters(spec: Any, path: KeyPath) -> list[Issue]:
     for parameter in spec.parameters:
         if not parameter.isidentifier() or keyword.iskeyword(parameter) or parameter in (*FORMULA_VARIABLES, "sqrt"):
             hint = f"write a name of letters, digits and _ other than {', '.join(FORMULA_VARIABLES)} and sqrt"
-            at = (*path, "parameters", parameter)
-            issues.append(Issue(at, f"'{parameter}' cannot be a parameter", hint, at_key=True))
+            key_path = (*path, "parameters", parameter)
+            issues.append(Issue(key_path, f"'{parameter}' cannot be a parameter", hint, at_key=True))
     return issues
 
 
 def _try_formula(law: OwnLaw, path: KeyPath, tree: Map) -> list[Issue]:
     """Return what is wrong with a formula, at its place in the text."""
-    at = (*path, "force")
+    key_path = (*path, "force")
     try:
         law.build(_TRIAL_GAP)
     except FormulaError as error:
-        return [Issue(at, f"force: {error.message}", error.hint, offset=_find_offset(error, at, tree))]
+        return [Issue(key_path, f"force: {error.message}", error.hint, offset=_find_offset(error, key_path, tree))]
     except ValueError as error:
-        return [Issue(at, str(error), "write a shorter formula")]
+        return [Issue(key_path, str(error), "write a shorter formula")]
     return []
 
 

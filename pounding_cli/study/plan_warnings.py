@@ -52,12 +52,12 @@ def _warn_eccentricity(spec: PlanSpec, plan: FloorPlan, root: Any, path: KeyPath
     largest = float(np.abs(plan.eccentricity).max()) / spec.width
     if largest <= MAX_ECCENTRICITY:
         return
-    at: KeyPath = (*path, "lines" if spec.lines is not None else "eccentricity")
+    key_path: KeyPath = (*path, "lines" if spec.lines is not None else "eccentricity")
     share = f"{100 * largest:.3g} % of the width"
     message = f"the centre of stiffness stands {share} from the centre of mass: "
     message += "a core at one end with frames at the other gives a third"
     hint = f"check the places and the stiffness of the lines; otherwise leave it, {AS_MEANT}"
-    doubts.add(root, at, at, message, hint, excess=largest)
+    doubts.add(root, key_path, key_path, message, hint, excess=largest)
 
 
 def _warn_inertia(spec: PlanSpec, plan: FloorPlan, mass: np.ndarray, root: Any, path: KeyPath, doubts: Doubts) -> None:
@@ -68,9 +68,9 @@ def _warn_inertia(spec: PlanSpec, plan: FloorPlan, mass: np.ndarray, root: Any, 
     if not wrong.size:
         return
     storey = int(wrong[0])
-    at: KeyPath = (*path, "inertia")
+    key_path: KeyPath = (*path, "inertia")
     if isinstance(spec.inertia, tuple):
-        at = (*at, storey)
+        key_path = (*key_path, storey)
     usual = float(mass[storey]) * spec.width**2 / np.array([9.0, 4.0])
     distance = f"{radius[storey] * spec.width:.3g} m"
     message = f"floor {storey + 1} turns as if its mass stood {distance} from its centre"
@@ -79,7 +79,7 @@ def _warn_inertia(spec: PlanSpec, plan: FloorPlan, mass: np.ndarray, root: Any, 
     texts = " to ".join(format_value(float(each), units) for each in usual)
     hint = f"write an inertia near {texts}; otherwise leave it, {AS_MEANT}"
     excess = abs(float(np.log10(radius[storey])))
-    doubts.add(root, at, (*path, "inertia"), message, hint, excess=excess)
+    doubts.add(root, key_path, (*path, "inertia"), message, hint, excess=excess)
 
 
 def _warn_frequency_ratio(spec: PlanSpec, name: str, ratio: float, root: Any, path: KeyPath, doubts: Doubts) -> None:
@@ -89,12 +89,12 @@ def _warn_frequency_ratio(spec: PlanSpec, name: str, ratio: float, root: Any, pa
         return
     keys = ("frequency_ratio", "torsional_stiffness", "lines")
     key = next(each for each in keys if each in spec.model_fields_set)
-    at: KeyPath = (*path, key)
+    key_path: KeyPath = (*path, key)
     message = f"{name} turns {ratio:.3g} times as fast as it moves along the row, each by itself: "
     message += "frames at the edges give 1 to 1.5, a core in the middle 0.7, walls at all edges 2"
     hint = "check the places of lines, the torsional stiffness and the inertia; "
     hint += f"otherwise leave it, {AS_MEANT}"
-    doubts.add(root, at, at, message, hint, excess=abs(float(np.log10(ratio))))
+    doubts.add(root, key_path, key_path, message, hint, excess=abs(float(np.log10(ratio))))
 
 
 def _warn_lines_across(plan: FloorPlan, root: Any, path: KeyPath, doubts: Doubts) -> None:
@@ -103,11 +103,11 @@ def _warn_lines_across(plan: FloorPlan, root: Any, path: KeyPath, doubts: Doubts
         return
     places = np.array([line.arm for line in plan.lines_across])
     stiffness = np.array([line.stiffness for line in plan.lines_across])  # shape (lines, storeys)
-    at: KeyPath = (*path, "across")
+    key_path: KeyPath = (*path, "across")
     farthest = float(np.abs(places).max())
     if farthest == 0.0:
         message = "all lines across the row stand at the centre of mass, where they resist no twist"
-        doubts.add(root, at, at, message, f"let `x` be where they stand; otherwise leave it, {AS_MEANT}")
+        doubts.add(root, key_path, key_path, message, f"let `x` be where they stand; otherwise leave it, {AS_MEANT}")
         return
     offset = float(np.abs(places @ stiffness / stiffness.sum(axis=0)).max())
     if offset > MAX_OFFSET_ACROSS * farthest:
@@ -116,7 +116,7 @@ def _warn_lines_across(plan: FloorPlan, root: Any, path: KeyPath, doubts: Doubts
         )
         message += "also move along the street, which is left out"
         hint = f"write all frames and walls across the row, on both sides; otherwise leave it, {AS_MEANT}"
-        doubts.add(root, at, at, message, hint, excess=offset / farthest)
+        doubts.add(root, key_path, key_path, message, hint, excess=offset / farthest)
 
 
 def warn_missing_accidental(study: Study, notes: Problems) -> None:

@@ -344,8 +344,8 @@ class SpectrumSpec(Model):
             first = min(self.target, default=0.0)
             last = max(self.target, default=0.0)
             if not first < last or not first <= self.low or not self.high <= last:
-                what = f"the target is given from {first:g} to {last:g} s, not over the whole range"
-                yield ("target",), what, f"give two points at least, {ends} and beyond"
+                message = f"the target is given from {first:g} to {last:g} s, not over the whole range"
+                yield ("target",), message, f"give two points at least, {ends} and beyond"
 
     def _find_code_issues(self, target: CodeTargetSpec) -> Iterator[SpecIssue]:
         """Yield what is wrong with the range and the damping ratio of the spectrum of a code."""

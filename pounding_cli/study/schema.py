@@ -144,8 +144,8 @@ class StudySpec(Model):
         if takes_step and self.time_step is None:
             yield ("method",), f"method: {method} needs 'time_step'", f"write e.g. `time_step: {TIME_STEP.example}`"
         if not takes_step and self.time_step is not None:
-            what = f"'time_step' does not apply to method: {method}"
-            yield ("time_step",), what, "remove it; `accuracy:` controls the cost", True
+            message = f"'time_step' does not apply to method: {method}"
+            yield ("time_step",), message, "remove it; `accuracy:` controls the cost", True
         for place, analysis in enumerate(self.analyses):
             if analysis in self.analyses[:place]:
                 yield ("analyses", place), f"'{analysis}' occurs twice", "remove one"

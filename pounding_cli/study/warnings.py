@@ -293,10 +293,10 @@ def warn_building(spec: BuildingSpec, building: Building, root: Any, name: str, 
         warn_plan(spec.plan, building, root, (*path, "plan"), doubts)
 
 
-def _warn_yield_shear(building: Building, root: Any, at: KeyPath, doubts: Doubts, lines: int = 1) -> None:
+def _warn_yield_shear(building: Building, root: Any, key_path: KeyPath, doubts: Doubts, lines: int = 1) -> None:
     """Note a yield shear of the lowest storey that is implausible beside the weight.
 
-    at : of the yield shear, or of that of the first of its frame lines
+    key_path : of the yield shear, or of that of the first of its frame lines
     lines : number of these
     """
     fits = PLAUSIBLE_RANGES["base yield shear over weight"]
@@ -306,12 +306,12 @@ def _warn_yield_shear(building: Building, root: Any, at: KeyPath, doubts: Doubts
         return
     share = compared.ratio_in_words(shear)
     message = f"the lowest storey yields at {format_value(shear, FORCE_FACTORS)}, {share}: {fits.reason}"
-    text = find_text(root, at)
+    text = find_text(root, key_path)
     is_bare = doubts.needs_units and lacks_its_unit(text, FORCE_OF_STOREY)
     hint = "check the yield shears of its lines"
     if lines == 1:
         hint = suggest_value(text, shear, fits, compared.share, "N" if is_bare else "")
-    doubts.add(root, at, at[:-1], message, hint, is_bare, excess=fits.excess(shear * compared.share))
+    doubts.add(root, key_path, key_path[:-1], message, hint, is_bare, excess=fits.excess(shear * compared.share))
 
 
 FORCE_OF_STOREY = Quantity("force", "N", "900 kN")
@@ -320,21 +320,25 @@ FORCE_OF_STOREY = Quantity("force", "N", "900 kN")
 def _warn_period(spec: BuildingSpec, building: Building, root: Any, path: KeyPath, doubts: Doubts) -> None:
     """Note a period that is implausible for so many storeys."""
     storeys = building.storeys
-    at: KeyPath = (*path, "period")
+    key_path: KeyPath = (*path, "period")
     period = float(building.periods[0]) if spec.period is None else spec.period
     if spec.stiffness is not None:
-        at = (*path, "stiffness", "period" if isinstance(spec.stiffness, StiffnessAtSpec) else 0)
+        key_path = (*path, "stiffness", "period" if isinstance(spec.stiffness, StiffnessAtSpec) else 0)
     elif spec.period is None:
-        at = (*path, "plan", "lines", 0, "stiffness", 0)
+        key_path = (*path, "plan", "lines", 0, "stiffness", 0)
     compared = [(PLAUSIBLE_RANGES["period of a storey"], 1 / storeys)] if storeys > 1 else []
     compared.append((PLAUSIBLE_RANGES["period"], 1.0))
     for fits, share in compared:
         if fits.holds(period * share):
             continue
         message = f"a period of {format_rounded(period)} s for {pluralize(storeys, 'storey')}: {fits.reason}"
-        hint = suggest_value(find_text(root, at), period, fits, share) if at[-1] == "period" else "check its unit"
-        key = at if at[-1] == "period" else at[:-1]
-        doubts.add(root, at, key, message, hint, excess=fits.excess(period * share))
+        hint = (
+            suggest_value(find_text(root, key_path), period, fits, share)
+            if key_path[-1] == "period"
+            else "check its unit"
+        )
+        key = key_path if key_path[-1] == "period" else key_path[:-1]
+        doubts.add(root, key_path, key, message, hint, excess=fits.excess(period * share))
         return
 
 
@@ -346,34 +350,39 @@ def _warn_base(building: Building, root: Any, path: KeyPath, doubts: Doubts) -> 
     fits = PLAUSIBLE_RANGES["period on a moving base"]
     weight = building.weight + base.mass * GRAVITY
     if base.isolation is None:
-        at: KeyPath = (*path, "foundation", "sway_stiffness")
+        key_path: KeyPath = (*path, "foundation", "sway_stiffness")
         period = 2 * np.pi * float(np.sqrt(weight / GRAVITY / base.sway_stiffness))
     else:
-        at = (*path, "foundation", "isolation")
+        key_path = (*path, "foundation", "isolation")
         reach = base.isolation.capacity if np.isfinite(base.isolation.capacity) else 0.1
         period, _ = base.isolation.effective(weight, reach)
     if not fits.holds(period):
         message = f"{building.name} has a period of {format_rounded(period)} s on its base: {fits.reason}"
-        text = find_text(root, at)
+        text = find_text(root, key_path)
         is_bare = doubts.needs_units and base.isolation is None and bool(re.fullmatch(rf"\s*{NUMBER_PATTERN}\s*", text))
         hint = f"did you mean {text} kN/m? otherwise write `{text} N/m`" if is_bare else "check its stiffness"
-        doubts.add(root, at, at, message, hint, is_bare, excess=fits.excess(period))
+        doubts.add(root, key_path, key_path, message, hint, is_bare, excess=fits.excess(period))
 
 
 def warn_motions(spec: RecordsSpec, suite: Suite, is_swept_pga: bool, root: Any, doubts: Doubts) -> None:
     """Note accelerations without a unit, and peaks of the ground that are implausible, asked for or as used."""
     warn_values(spec, root, ("records",), doubts)
-    at: KeyPath = ("records", "scale", "pga")
+    key_path: KeyPath = ("records", "scale", "pga")
     asked = getattr(spec.scale, "pga", None)
     fits = PLAUSIBLE_RANGES["peak asked for"]
     if asked is not None and not is_swept_pga:
-        if at not in doubts.by_key and not fits.holds(asked):
+        if key_path not in doubts.by_key and not fits.holds(asked):
             message = f"{fits.name} is {format_value(asked, fits.units)}: {fits.reason}"
             doubts.add(
-                root, at, at, message, suggest_value(find_text(root, at), asked, fits), excess=fits.excess(asked)
+                root,
+                key_path,
+                key_path,
+                message,
+                suggest_value(find_text(root, key_path), asked, fits),
+                excess=fits.excess(asked),
             )
         return
-    if not any(key[:2] == at[:2] for key in doubts.by_key):  # else the peaks are what follows from that value
+    if not any(key[:2] == key_path[:2] for key in doubts.by_key):  # else the peaks are what follows from that value
         _warn_peaks(list(suite.uses.values()), root, doubts)
 
 
@@ -384,9 +393,9 @@ def _warn_peaks(uses: Sequence[MotionUse], root: Any, doubts: Doubts) -> None:
     if unlikely:
         hint = f"check `unit:` of its file and `scale:`; otherwise leave it, {AS_MEANT}"
         peaks = join_limited(f"{use.name} ({use.pga / GRAVITY:.3g} g)" for use in unlikely)
-        at: KeyPath = ("records", "scale" if any(use.scale != 1 for use in unlikely) else "use")
+        key_path: KeyPath = ("records", "scale" if any(use.scale != 1 for use in unlikely) else "use")
         excess = max(fits.excess(use.pga) for use in unlikely)
-        doubts.add(root, at, at, f"unlikely peaks: {peaks}: {fits.reason}", hint, excess=excess)
+        doubts.add(root, key_path, key_path, f"unlikely peaks: {peaks}: {fits.reason}", hint, excess=excess)
 
 
 # A mass that varies

@@ -187,7 +187,7 @@ def test_compare(results, folder, pound):
     assert counted["storey V"] == (changed > 2e-6).sum() > 0
     place = changed.idxmax()
     row = mine.loc[place]
-    where = ", ".join(row[name] for name in ("case", "analysis", "record", "building"))
+    where = ", ".join(str(row[name]) for name in ("case", "analysis", "record", "building"))
     assert f"{where}, storey {row['storey']}: {row['V'] / 1e3:.6g} kN -> " in out
     code, out, err = pound("compare", "r.h5", "two.yaml")
     assert (code, out) == (2, "")

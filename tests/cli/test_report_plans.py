@@ -298,3 +298,17 @@ def test_the_player_gets_plans_and_turns(made):
     stiffness = results.data["stiffness"].sel(building="corner", storey=1).item()
     strength = results.data["yield_shear"].sel(building="corner", storey=1).item()
     assert corner["lines"][0]["yield"][0] == pytest.approx(strength / stiffness, rel=1e-5)
+
+
+def test_the_player_gets_a_wall_that_is_drawn_at_every_floor(folder):
+    """Fails if a wall is drawn as a building without a plan, faded at all floors but the first."""
+    plan = "plan: {width: 20 m, depth: 10 m, lines: [{y: -8 m, stiffness: 70 %}, {y: 8 m, stiffness: 30 %}]}"
+    Path("walled.yaml").write_text(
+        "records: {use: [elcentro], duration: 0.5 s}\nestimate: none\nkeep: histories\nanalyses: [elastic]\n"
+        f"buildings:\n  dock: {{wall: fixed}}\n  tower: {{storeys: 2, period: 0.3 s, {plan}}}\n"
+        "group: [dock, tower]\ncases: {near: {link: pounding, gap: 1 mm}}\n"
+    )
+    results = pounding_cli.run("walled.yaml", "walled.h5", engine="serial")
+    (scene,) = build_player_scenes(results)
+    plans = [building["plan"] for building in scene["buildings"]]
+    assert [(plan["wall"], plan["known"]) for plan in plans] == [(True, True), (False, True)]

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import pounding_cli as pound
-from pounding_cli.questions.expressions import describe_output, find_output_unit
+from pounding_cli.questions.expression_words import describe_output, find_output_unit
 from pounding_cli.questions.reports import build_report
 from pounding_cli.results.results import ResultTables
 from pounding_cli.study.display import key_words

@@ -78,7 +78,7 @@ class PointState:
     edges: EdgeMovements
     code_edges: CodeEdges
 
-    def find_code_displacement(self, rule: str, building: int, floor: int, at: float, arm: float) -> float:
+    def find_code_displacement(self, rule: str, building: int, floor: int, height: float, arm: float) -> float:
         """Return the displacement that the rule of a code expects of a place of a floor, or of the columns below it
         [m]; arguments as of `find_peak`."""
         displacements = self.code_displacements[rule]
@@ -86,14 +86,14 @@ class PointState:
         if at_edge is not None and rule in at_edge:
             displacements = displacements.copy()
             displacements[building, 1 : 1 + at_edge[rule].size] = np.abs(at_edge[rule])
-        return float(_interpolate(displacements, building, floor, at))
+        return float(_interpolate(displacements, building, floor, height))
 
-    def find_peak(self, building: int, floor: int, at: float, arm: float) -> np.ndarray:
+    def find_peak(self, building: int, floor: int, height: float, arm: float) -> np.ndarray:
         """Return the largest displacement of a place of a floor, or of the columns below it, shape (analyses, motions)
         [m].
 
         building : its place in the group, from 0
-        at : height in the storey, from 0 at its foot to 1 at its floor
+        height : in the storey, from 0 at its foot to 1 at its floor
         arm : from the centre of mass [m]
         """
         displacements = self.displacements
@@ -102,7 +102,7 @@ class PointState:
             displacements = displacements.copy()
             for level, to_left in movements.to_left.items():
                 displacements[..., building, level] = np.maximum(to_left, movements.to_right[level])
-        return _interpolate(displacements, building, floor, at)
+        return _interpolate(displacements, building, floor, height)
 
 
 def list_sweep_points(plan: Plan) -> list[Point]:
@@ -227,9 +227,9 @@ def find_street_columns(plan: Plan, index: Point, place: int) -> RowPlace:
     if not any(needs_plan(building) and turns_at(floor) for building, floor in zip(pair, floors, strict=True)):
         return {"end": "", "street": np.nan}
     sides = [StreetSide.of(building) for building in pair]
-    at = (*index, 0, place)
+    link = (*index, 0, place)
     streets = [
-        side.centre + float(arms[at])
+        side.centre + float(arms[link])
         for side, arms in zip(sides, (links.left_arm, links.right_arm), strict=True)
         if side is not None
     ]
@@ -241,17 +241,17 @@ def find_street_columns(plan: Plan, index: Point, place: int) -> RowPlace:
     return {"end": " | ".join(texts), "street": streets[0]}
 
 
-def _interpolate(displacements: np.ndarray, building: int, floor: int, at: float) -> np.ndarray:
+def _interpolate(displacements: np.ndarray, building: int, floor: int, height: float) -> np.ndarray:
     """Return the displacement of a floor, or of columns at a part of the storey below it [m].
 
     displacements : shape (..., buildings, 1 + floors), of the base first
-    at : height in the storey, from 0 at its foot to 1 at its floor
+    height : in the storey, from 0 at its foot to 1 at its floor
     """
     above = displacements[..., building, floor]
-    if at == 1.0:
+    if height == 1.0:
         return above
     below = displacements[..., building, max(floor - 1, 0)]
-    part = at * at * (3.0 - 2.0 * at)
+    part = height * height * (3.0 - 2.0 * height)
     return part * above + (1.0 - part) * below
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from pounding_cli.questions.expressions import describe_output
+from pounding_cli.questions.expression_words import describe_output
 from pounding_cli.questions.optimise.question import NO_OPTIMUM
 from pounding_cli.questions.optimise.tables import OPTIMUM, SEARCHED_POINTS
 from pounding_cli.questions.optimise.words import MAX_KEYS, key_unit, list_sentences, sought_unit

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from pounding_cli.numbers import NOTHING, Unit, count_histories, format_number, join_limited, pluralize
-from pounding_cli.questions.expressions import CONTACT_NOTE, ON_CONTACT, describe_output, find_output_unit
+from pounding_cli.questions.expression_words import CONTACT_NOTE, ON_CONTACT, describe_output, find_output_unit
 from pounding_cli.questions.optimise.question import (
     CONTACTS,
     FAILED,

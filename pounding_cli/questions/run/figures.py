@@ -25,27 +25,28 @@ def further_sections(results: ResultTables, choice: SweepChoice | None = None) -
 
     choice : which figures are drawn over a sweep; the usual ones unless given
     """
-    shown = find_nominal(results)
-    swept = list_sweep_pictures(results, shown, choice)
+    evidence = find_nominal(results)
+    swept = list_sweep_pictures(results, evidence, choice)
     scenes = build_player_scenes(results)
-    chart = build_explorer_data(results, shown)
+    chart = build_explorer_data(results, evidence)
     explorer: dict[str, Any] = {"widget": "explorer", "data": chart} if chart["quantities"] else {}
+    sentences = _describe_kept(results, evidence, scenes)
     return [
         *([Section("Over the sweep", pictures=swept)] if swept else []),
         Section("Look around", [chart["cut"]], **explorer),
-        Section("Moving buildings", _describe_kept(results, shown, scenes), widget="player", data={"scenes": scenes}),
-        Section("Figures", pictures=[*list_profiles(shown)[1:], *list_loops(shown)]),
+        Section("Moving buildings", sentences, widget="player", data={"scenes": scenes}),
+        Section("Figures", pictures=[*list_profiles(evidence)[1:], *list_loops(evidence)]),
     ]
 
 
-def _describe_kept(results: ResultTables, shown: Evidence, scenes: Sequence[Any]) -> list[str]:
+def _describe_kept(results: ResultTables, evidence: Evidence, scenes: Sequence[Any]) -> list[str]:
     """Return a sentence where no time history is kept, or where a page has no room for all.
 
     scenes : those that the page has
     """
     kept = len(results.histories())
     if not kept:
-        key = f"keep: {{histories: {{cases: [{shown.cases[0]}], records: [{shown.names('record')[0]}]}}}}"
+        key = f"keep: {{histories: {{cases: [{evidence.cases[0]}], records: [{evidence.names('record')[0]}]}}}}"
         return [f"No time history is kept. To see moving buildings, add `{key}` to the study and run it again."]
     if len(scenes) == kept:
         return []

@@ -87,7 +87,7 @@ class Ranking:
         return f"{self.analysis} {label} {best.value:#.3g} ({details})"
 
 
-def rank_cases(shown: Evidence) -> list[Ranking]:
+def rank_cases(evidence: Evidence) -> list[Ranking]:
     """Return the rankings of the cases by every response that the study has; none of fewer than two cases.
 
     A case counts where it has links, and where all its time histories ended and mean something. Ductility demands rank
@@ -95,23 +95,23 @@ def rank_cases(shown: Evidence) -> list[Ranking]:
     """
     rankings = []
     for analysis, variable in RANKED_RESPONSES:
-        if analysis not in shown.analyses:
+        if analysis not in evidence.analyses:
             continue
-        worst = sorted(_iter_worst(shown, analysis, variable), key=lambda each: each.value)
+        worst = sorted(_iter_worst(evidence, analysis, variable), key=lambda each: each.value)
         is_beyond = variable == "mu" and len(worst) > 0 and worst[0].value > MAX_DUCTILITY
         if len(worst) > 1 and not is_beyond:
             rankings.append(Ranking(analysis, variable, tuple(worst)))
     return rankings
 
 
-def _iter_worst(shown: Evidence, analysis: str, variable: str) -> Iterator[Worst]:
+def _iter_worst(evidence: Evidence, analysis: str, variable: str) -> Iterator[Worst]:
     """Yield the worst response of every case that can be compared."""
-    for case in shown.cases:
-        if not _is_comparable(shown, case, analysis):
+    for case in evidence.cases:
+        if not _is_comparable(evidence, case, analysis):
             continue
         worst = []
-        for building in shown.buildings_without_walls:
-            means = mean_over_motions(shown, variable, case, analysis, building)
+        for building in evidence.buildings_without_walls:
+            means = mean_over_motions(evidence, variable, case, analysis, building)
             if np.isfinite(means).any():
                 storey, *line = (int(each) + 1 for each in np.unravel_index(int(np.nanargmax(means)), means.shape))
                 worst.append(Worst(case, float(np.nanmax(means)), building, storey, *line))
@@ -119,50 +119,53 @@ def _iter_worst(shown: Evidence, analysis: str, variable: str) -> Iterator[Worst
             yield max(worst, key=lambda each: each.value)
 
 
-def mean_over_motions(shown: Evidence, variable: str, case: str, analysis: str, building: str) -> np.ndarray:
+def mean_over_motions(evidence: Evidence, variable: str, case: str, analysis: str, building: str) -> np.ndarray:
     """Return the mean of a response over the motions, NaN where there is none, shape (storeys,); of a building whose
     floors twist that of its frame lines along the row, shape (storeys, lines)."""
     place = {"case": case, "analysis": analysis, "building": building}
-    is_ratio = f"{variable}_mean" in shown.results.arrays
+    is_ratio = f"{variable}_mean" in evidence.results.arrays
     name = f"{variable}_mean" if is_ratio else variable
-    values = line_values(shown, f"line_{name}", **place) if does_twist(shown, building) else shown.values(name, **place)
+    if does_twist(evidence, building):
+        values = line_values(evidence, f"line_{name}", **place)
+    else:
+        values = evidence.values(name, **place)
     return values if is_ratio else values.mean(axis=0)
 
 
-def _is_comparable(shown: Evidence, case: str, analysis: str) -> bool:
+def _is_comparable(evidence: Evidence, case: str, analysis: str) -> bool:
     """Return whether a case has links, and every time history ended and means something."""
-    if "kind" not in shown.results.arrays:
+    if "kind" not in evidence.results.arrays:
         return False
-    if all(kind in ("", Apart.name) for kind in shown.values("kind", case=case).tolist()):
+    if all(kind in ("", Apart.name) for kind in evidence.values("kind", case=case).tolist()):
         return False
-    statuses = shown.values("status", case=case, analysis=analysis)
-    flags = shown.values("flags", case=case, analysis=analysis)
+    statuses = evidence.values("status", case=case, analysis=analysis)
+    flags = evidence.values("flags", case=case, analysis=analysis)
     return bool((statuses == DONE).all()) and not any(map(is_void, flags.tolist()))
 
 
-def describe_ranking(shown: Evidence) -> str:
+def describe_ranking(evidence: Evidence) -> str:
     """Return the case that is best for the building that fares worst in it; "" where there is nothing to compare."""
-    rankings = rank_cases(shown)
+    rankings = rank_cases(evidence)
     if not rankings:
         return ""
     by_cases: dict[tuple[str, ...], list[Ranking]] = {}
     for ranking in rankings:
         by_cases.setdefault(ranking.best_cases, []).append(ranking)
-    for_whom = "for the worse building" if len(shown.buildings_without_walls) > 1 else "for the building"
-    motions = len(shown.names("record"))
+    for_whom = "for the worse building" if len(evidence.buildings_without_walls) > 1 else "for the building"
+    motions = len(evidence.names("record"))
     clauses = []
     for cases, group in by_cases.items():
         responses = ", ".join(
-            ranking.describe(motions, _list_flags(shown, cases, ranking.analysis)) for ranking in group
+            ranking.describe(motions, _list_flags(evidence, cases, ranking.analysis)) for ranking in group
         )
         clauses.append(f"{_name_best(cases)} {for_whom} by {responses}")
         for_whom = ""
     return f"{'; '.join(' '.join(clause.split()) for clause in clauses)}."
 
 
-def _list_flags(shown: Evidence, cases: Sequence[str], analysis: str) -> list[str]:
+def _list_flags(evidence: Evidence, cases: Sequence[str], analysis: str) -> list[str]:
     """Return the kinds of flags of some cases."""
-    groups = [group for group in shown.flag_groups if group.case in cases and group.analysis == analysis]
+    groups = [group for group in evidence.flag_groups if group.case in cases and group.analysis == analysis]
     return list(dict.fromkeys(group.flag for group in groups))
 
 

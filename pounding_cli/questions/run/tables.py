@@ -82,18 +82,18 @@ def build_peaks_table(results: ResultTables) -> Table:
     return Table("", frame, [*places_of_rows, *columns], _caption_of_peaks(results))
 
 
-def build_means_table(shown: Evidence) -> Table:
+def build_means_table(evidence: Evidence) -> Table:
     """Return the mean ratios to the building alone of every case and building: at the roof, and in the storey where
     the mean is largest, with the mean ductility demands there; and the largest mean ductility demand."""
     rows = []
-    for case, building in product(shown.cases, shown.buildings_without_walls):
-        row: dict[str, Any] = {"case": shown.mark_case(case), "building": building}
+    for case, building in product(evidence.cases, evidence.buildings_without_walls):
+        row: dict[str, Any] = {"case": evidence.mark_case(case), "building": building}
         for analysis, ratio in RESPONSES:
-            means = mean_ratios(shown, case, analysis, building, ratio)
+            means = mean_ratios(evidence, case, analysis, building, ratio)
             row[f"{ratio}_top"] = means.iloc[-1] if len(means) else np.nan
             row[f"{ratio}_largest"] = means.max() if len(means) else np.nan
             row[f"{ratio}_storey"] = means.idxmax() if len(means) else np.nan
-        rows.append(row | _find_mean_demands(shown, case, building, row["mu_ratio_storey"]))
+        rows.append(row | _find_mean_demands(evidence, case, building, row["mu_ratio_storey"]))
     frame = pd.DataFrame(rows)
     columns = [column_of("case"), column_of("building")]
     words = []
@@ -103,13 +103,13 @@ def build_means_table(shown: Evidence) -> Table:
             words.append(f"{column_of(ratio).label} {analysis}")
     if frame["mu_ratio_top"].notna().any():
         columns += _demand_columns()
-    motions = len(shown.records)
+    motions = len(evidence.records)
     over = f"mean of {motions} motions" if motions > 1 else "1 motion"
-    point = f" at {shown.label}" if shown.label else ""
+    point = f" at {evidence.label}" if evidence.label else ""
     return Table("", frame, columns, f"Ratios to the same building alone, {over}{point}: {', '.join(words)}")
 
 
-def _find_mean_demands(shown: Evidence, case: str, building: str, governing_storey: float) -> dict[str, float]:
+def _find_mean_demands(evidence: Evidence, case: str, building: str, governing_storey: float) -> dict[str, float]:
     """Return the mean ductility demands of a building over the motions.
 
     Keys: mu and mu0, in the storey where the ratio of both is largest; mu_largest and mu_storey, over all storeys.
@@ -120,24 +120,24 @@ def _find_mean_demands(shown: Evidence, case: str, building: str, governing_stor
     names = ("mu", "mu0", "mu_largest", "mu_storey")
     if not np.isfinite(governing_storey):
         return dict.fromkeys(names, np.nan)
-    has_ratio = np.isfinite(shown.values("mu_ratio", **place))
+    has_ratio = np.isfinite(evidence.values("mu_ratio", **place))
     is_counted = has_ratio.any(axis=1)  # motions under which both are known
-    mu = shown.values("mu", **place)[is_counted].mean(axis=0)
-    mu0 = shown.values("mu0", **place)[is_counted].mean(axis=0)
+    mu = evidence.values("mu", **place)[is_counted].mean(axis=0)
+    mu0 = evidence.values("mu0", **place)[is_counted].mean(axis=0)
     storey = int(governing_storey) - 1
     largest = int(np.nanargmax(mu))
     return dict(zip(names, (mu[storey], mu0[storey], mu[largest], largest + 1), strict=True))
 
 
-def mean_ratios(shown: Evidence, case: str, analysis: str, building: str, ratio: str) -> pd.Series:
+def mean_ratios(evidence: Evidence, case: str, analysis: str, building: str, ratio: str) -> pd.Series:
     """Return the mean over the motions of a ratio to the building alone, by storey; empty where there is none.
 
     ratio : "V_ratio" or "mu_ratio"
     """
-    if analysis not in shown.analyses:
+    if analysis not in evidence.analyses:
         return pd.Series(dtype=float)
-    mean = shown.values(f"{ratio}_mean", case=case, analysis=analysis, building=building)
-    return pd.Series(mean, index=shown.results.values("storey")).dropna()
+    mean = evidence.values(f"{ratio}_mean", case=case, analysis=analysis, building=building)
+    return pd.Series(mean, index=evidence.results.values("storey")).dropna()
 
 
 # Peaks

@@ -25,11 +25,11 @@ CONTACT_MARK = "*"
 """Stands behind an acceleration or a force that the contact stiffness governs."""
 
 
-def does_twist(shown: Evidence, building: str) -> bool:
+def does_twist(evidence: Evidence, building: str) -> bool:
     """Return whether floors of a building twist in any time history, with its neighbours or alone."""
-    if "twist" not in shown.results.arrays:
+    if "twist" not in evidence.results.arrays:
         return False
-    turns = [shown.values(name, building=building) for name in ("twist", "twist0")]
+    turns = [evidence.values(name, building=building) for name in ("twist", "twist0")]
     return bool((np.nan_to_num(turns) > MIN_TWIST).any())
 
 
@@ -42,15 +42,15 @@ def does_twist_anywhere(results: ResultTables, building: str) -> bool:
     return bool((np.nan_to_num(turns) > MIN_TWIST).any())
 
 
-def line_values(shown: Evidence, name: str, building: str, **places: str) -> np.ndarray:
+def line_values(evidence: Evidence, name: str, building: str, **places: str) -> np.ndarray:
     """Return a variable of the frame lines of a building, NaN of those across the row, shape (..., storeys, lines)."""
-    is_along = np.isfinite(shown.values("line_street", building=building))
-    return np.where(is_along, shown.values(name, building=building, **places), np.nan)
+    is_along = np.isfinite(evidence.values("line_street", building=building))
+    return np.where(is_along, evidence.values(name, building=building, **places), np.nan)
 
 
-def has_lines_across(shown: Evidence, building: str) -> bool:
+def has_lines_across(evidence: Evidence, building: str) -> bool:
     """Return whether a building has frame lines across the row, which resist the twist alone."""
-    return "line_x" in shown.results.arrays and bool(np.isfinite(shown.values("line_x", building=building)).any())
+    return "line_x" in evidence.results.arrays and bool(np.isfinite(evidence.values("line_x", building=building)).any())
 
 
 def keep_lines_along(results: ResultTables, name: str) -> np.ndarray:
@@ -87,15 +87,15 @@ def replace_by_lines(results: ResultTables, storey: pd.DataFrame) -> pd.DataFram
     return pd.concat([others, lines], ignore_index=True) if len(lines) else others
 
 
-def list_twist_tables(shown: Evidence) -> list[Table]:
+def list_twist_tables(evidence: Evidence) -> list[Table]:
     """Return the tables of buildings that twist and of contact by place; none where nothing twists."""
-    twisting = [name for name in shown.buildings_without_walls if does_twist(shown, name)]
+    twisting = [name for name in evidence.buildings_without_walls if does_twist(evidence, name)]
     if not twisting:
         return []
     tables = [
-        _build_line_table(shown, twisting),
-        _build_edge_table(shown, twisting),
-        _build_place_table(shown),
+        _build_line_table(evidence, twisting),
+        _build_edge_table(evidence, twisting),
+        _build_place_table(evidence),
     ]
     return [table for table in tables if len(table.frame)]
 
@@ -103,12 +103,12 @@ def list_twist_tables(shown: Evidence) -> list[Table]:
 # Frame lines
 
 
-def _build_line_table(shown: Evidence, twisting: list[str]) -> Table:
+def _build_line_table(evidence: Evidence, twisting: list[str]) -> Table:
     """Return the mean responses of the frame lines of buildings that twist, each in the storey where it is largest."""
     rows = [
         row
-        for case, analysis, building in product(shown.cases, shown.analyses, twisting)
-        for row in _iter_lines(shown, case, analysis, building)
+        for case, analysis, building in product(evidence.cases, evidence.analyses, twisting)
+        for row in _iter_lines(evidence, case, analysis, building)
     ]
     columns = [
         *(column_of(name) for name in ("case", "analysis", "building")),
@@ -122,33 +122,33 @@ def _build_line_table(shown: Evidence, twisting: list[str]) -> Table:
     frame = pd.DataFrame(rows)
     if len(frame):
         columns = [column for column in columns if column.name not in frame or frame[column.name].notna().any()]
-    caption = f"Frame lines of floors that twist: largest of all storeys{_over_motions(shown, frame)}"
+    caption = f"Frame lines of floors that twist: largest of all storeys{_over_motions(evidence, frame)}"
     return Table("", frame, columns, caption)
 
 
-def _iter_lines(shown: Evidence, case: str, analysis: str, building: str) -> Iterator[dict[str, Any]]:
+def _iter_lines(evidence: Evidence, case: str, analysis: str, building: str) -> Iterator[dict[str, Any]]:
     """Yield a row for every frame line of a building: the largest means over the motions of all storeys, the same
     storey alone, and the storeys of the largest ratios."""
     place = {"case": case, "analysis": analysis, "building": building}
-    is_known = _find_known_motions(shown, place)
+    is_known = _find_known_motions(evidence, place)
     if not is_known.any():
         return
     means = {
-        name: shown.values(f"line_{name}", **place)[is_known].mean(axis=0)
+        name: evidence.values(f"line_{name}", **place)[is_known].mean(axis=0)
         for name in ("V", "V0", "mu", "mu0", "drift", "drift0", "drift_ratio")
     }
-    means |= {name: shown.values(f"line_{name}_mean", **place) for name in ("V_ratio", "mu_ratio")}
+    means |= {name: evidence.values(f"line_{name}_mean", **place) for name in ("V_ratio", "mu_ratio")}
     if analysis == Analysis.ELASTIC:
         for name in ("mu", "mu0", "mu_ratio"):
             means[name] = np.full_like(means[name], np.nan)
     with np.errstate(invalid="ignore"):
         drift = np.where(means["drift"] > 0, means["drift"], 1)
         means["drift_ratio0"] = means["drift_ratio"] * means["drift0"] / drift
-    along = shown.values("line_street", building=building)
-    across = shown.values("line_x", building=building)
+    along = evidence.values("line_street", building=building)
+    across = evidence.values("line_x", building=building)
     for number in np.flatnonzero(np.isfinite(along) | np.isfinite(across)).tolist():
         row: dict[str, Any] = {
-            "case": shown.mark_case(case),
+            "case": evidence.mark_case(case),
             "analysis": analysis,
             "building": building,
             "line": number + 1,
@@ -166,9 +166,9 @@ def _iter_lines(shown: Evidence, case: str, analysis: str, building: str) -> Ite
         yield row
 
 
-def _find_known_motions(shown: Evidence, place: dict[str, str]) -> np.ndarray:
+def _find_known_motions(evidence: Evidence, place: dict[str, str]) -> np.ndarray:
     """Return under which motions a building in a case and analysis has numbers, with its neighbours and alone."""
-    drifts = [shown.values(name, **place) for name in ("drift", "drift0")]
+    drifts = [evidence.values(name, **place) for name in ("drift", "drift0")]
     return np.logical_and.reduce([np.isfinite(drift).any(axis=1) for drift in drifts])
 
 
@@ -204,21 +204,21 @@ def _with_storey(name: str, label: str) -> Column:
 # Edges
 
 
-def _build_edge_table(shown: Evidence, twisting: list[str]) -> Table:
+def _build_edge_table(evidence: Evidence, twisting: list[str]) -> Table:
     """Return the mean drifts at the edges and the centre of mass of buildings that twist, and their twist; each the
     largest of all storeys or floors."""
     rows = []
-    for case, analysis, building in product(shown.cases, shown.analyses, twisting):
+    for case, analysis, building in product(evidence.cases, evidence.analyses, twisting):
         place = {"case": case, "analysis": analysis, "building": building}
-        is_known = _find_known_motions(shown, place)
+        is_known = _find_known_motions(evidence, place)
         if not is_known.any():
             continue
-        height = shown.values("height", building=building)
-        row: dict[str, Any] = {**place, "case": shown.mark_case(case), "motions": int(is_known.sum())}
+        height = evidence.values("height", building=building)
+        row: dict[str, Any] = {**place, "case": evidence.mark_case(case), "motions": int(is_known.sum())}
         for name in ("edge_drift_low", "drift", "edge_drift_high", "twist"):
             scale = 1.0 if name == "twist" else height
             for state in ("", "0"):
-                values = shown.values(f"{name}{state}", **place)[is_known].mean(axis=0) / scale
+                values = evidence.values(f"{name}{state}", **place)[is_known].mean(axis=0) / scale
                 if name == "twist":
                     values = np.where(values <= MIN_TWIST, 0.0, values)
                 row[f"{name}{state}"] = np.nanmax(values)
@@ -244,7 +244,7 @@ def _build_edge_table(shown: Evidence, twisting: list[str]) -> Table:
     frame = pd.DataFrame(rows)
     caption = (
         "Drift of floors that twist at the edges of the plan and at the centre of mass: largest of all storeys"
-        f"{_over_motions(shown, frame)}"
+        f"{_over_motions(evidence, frame)}"
     )
     return Table("", frame, columns, caption)
 
@@ -252,7 +252,7 @@ def _build_edge_table(shown: Evidence, twisting: list[str]) -> Table:
 # Contact by place
 
 
-def _build_place_table(shown: Evidence) -> Table:
+def _build_place_table(evidence: Evidence) -> Table:
     """Return contacts, forces and closings of every case by place along the street, over all floors and motions."""
     force_column = column_of("peak_force")
     number = Column("peak_force", force_column.text, force_column.unit, digits=3)
@@ -263,7 +263,7 @@ def _build_place_table(shown: Evidence) -> Table:
     def below(name: str) -> FormatRow:
         return lambda row: str(row[name])
 
-    closing_column = column_of("max_closing", shown.results.units)
+    closing_column = column_of("max_closing", evidence.results.units)
     columns = [
         *(column_of(name) for name in ("case", "analysis")),
         Column("pair", "buildings", label="between", below=below("kind_below")),
@@ -275,19 +275,19 @@ def _build_place_table(shown: Evidence) -> Table:
             below=below("closing_floors"), optional=True,
         ),
     ]  # fmt: skip
-    many = len(shown.names("record")) > 1
+    many = len(evidence.names("record")) > 1
     over = "contacts of all floors, force and closing the largest of all floors"
     if many:
         over = "contacts the mean of the motions, force and closing the largest of all floors and motions"
-    point = f", at {shown.label}" if shown.label else ""
-    frame = pd.DataFrame(_list_places(shown))
+    point = f", at {evidence.label}" if evidence.label else ""
+    frame = pd.DataFrame(_list_places(evidence))
     return Table("", frame, columns, f"Contact by place along the street: {over}{point}")
 
 
-def _list_places(shown: Evidence) -> list[dict[str, Any]]:
+def _list_places(evidence: Evidence) -> list[dict[str, Any]]:
     """Return a row for every place along the street of two neighbours that are linked at several places, and for every
     kind of link there."""
-    link = shown.link
+    link = evidence.link
     if "street" not in link or link.empty:
         return []
     link = link.assign(street=link["street"].round(6))
@@ -297,7 +297,7 @@ def _list_places(shown: Evidence) -> list[dict[str, Any]]:
     for place, here in link.groupby(keys, sort=False, dropna=False):  # a base does not turn: NaN
         if np.isfinite(here["peak_force"]).any():
             values = zip(keys, place, strict=True)
-            rows.append(dict(values) | _summarize_place(shown, here))
+            rows.append(dict(values) | _summarize_place(evidence, here))
     streets: dict[tuple[Any, ...], set[str]] = {}
     kinds: dict[tuple[Any, ...], set[str]] = {}
     for row in rows:
@@ -313,7 +313,7 @@ def _list_places(shown: Evidence) -> list[dict[str, Any]]:
     return shown_rows
 
 
-def _summarize_place(shown: Evidence, links: pd.DataFrame) -> dict[str, Any]:
+def _summarize_place(evidence: Evidence, links: pd.DataFrame) -> dict[str, Any]:
     """Return contacts, the largest force and the largest closing of the links at one place along the street."""
     force = links.iloc[int(links["peak_force"].argmax())]
     closing = links.iloc[int(links["max_closing"].argmax())]
@@ -321,12 +321,12 @@ def _summarize_place(shown: Evidence, links: pd.DataFrame) -> dict[str, Any]:
     contacts = links.groupby("record", sort=False)["impacts"].sum(min_count=1).mean()
     return {
         "pair": f"{force['left']}|{force['right']}",
-        "contacts": np.nan if shown.results.link_symbol(str(force["kind"])) == "bar" else contacts,
+        "contacts": np.nan if evidence.results.link_symbol(str(force["kind"])) == "bar" else contacts,
         "peak_force": force["peak_force"],
         "force_floors": _format_floors(force) if acts else "",
         "max_closing": closing["max_closing"],
         "closing_floors": _format_floors(closing),
-        "is_blow": shown.results.is_contact(force["kind"]) and acts,
+        "is_blow": evidence.results.is_contact(force["kind"]) and acts,
     }
 
 
@@ -342,16 +342,16 @@ def _format_floors(link: Any) -> str:
     return f"floors {link['floor']}|{link['right_floor']}"
 
 
-def _over_motions(shown: Evidence, frame: pd.DataFrame) -> str:
+def _over_motions(evidence: Evidence, frame: pd.DataFrame) -> str:
     """Return what the means are over, and the point of a sweep, as they stand in captions.
 
     frame : with a column `motions`, their number
     """
-    motions = len(shown.names("record"))
+    motions = len(evidence.names("record"))
     is_complete = len(frame) == 0 or frame["motions"].min() == motions
     mean = f", mean of {motions} motions"
     if not is_complete:
         mean = f", mean of those of {motions} motions that have numbers"
     if motions == 1:
         mean = ""
-    return f"{mean}{f', at {shown.label}' if shown.label else ''}"
+    return f"{mean}{f', at {evidence.label}' if evidence.label else ''}"

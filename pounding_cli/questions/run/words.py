@@ -110,26 +110,26 @@ class ResponseChange:
 
 def list_sentences(results: ResultTables) -> list[str]:
     """Return the answer in sentences: what pounding does to every building, at one point of a sweep."""
-    shown = find_nominal(results)
-    statuses = shown.values("status")
+    evidence = find_nominal(results)
+    statuses = evidence.values("status")
     if not np.isin(statuses, OUTCOMES).any():
         return ["All time histories failed: there is no result to show."]
-    sentences = [*_describe_failures(results), *_describe_collapses(shown)]
-    approach = _describe_open_gaps(shown)
+    sentences = [*_describe_failures(results), *_describe_collapses(evidence)]
+    approach = _describe_open_gaps(evidence)
     if approach:
         sentences.append(approach)
     else:
-        sentences += filter(None, [describe_ranking(shown)])
+        sentences += filter(None, [describe_ranking(evidence)])
         for building in [
-            shown.main_building,
-            *(each for each in shown.buildings_without_walls if each != shown.main_building),
+            evidence.main_building,
+            *(each for each in evidence.buildings_without_walls if each != evidence.main_building),
         ]:
-            sentences += _describe_building(shown, building)
-    sentences += _describe_meaningless(shown)
-    if shown.label and sentences:
-        sentences[0] = f"At {shown.label}: {sentences[0]}"
+            sentences += _describe_building(evidence, building)
+    sentences += _describe_meaningless(evidence)
+    if evidence.label and sentences:
+        sentences[0] = f"At {evidence.label}: {sentences[0]}"
     sentences = [_capitalise_case(sentence) for sentence in sentences]
-    return [*sentences, *_describe_sweep(results, shown)]
+    return [*sentences, *_describe_sweep(results, evidence)]
 
 
 def list_tables(results: ResultTables) -> list[Table]:
@@ -137,19 +137,20 @@ def list_tables(results: ResultTables) -> list[Table]:
     tables = [build_peaks_table(results)]
     if not np.isfinite(results.values("V_ratio")).any():
         return tables
-    shown = find_nominal(results)
-    return [*tables, build_means_table(shown), *list_twist_tables(shown)]
+    evidence = find_nominal(results)
+    return [*tables, build_means_table(evidence), *list_twist_tables(evidence)]
 
 
 def list_notes(results: ResultTables) -> list[str]:
     """Return how far the numbers go, and what a reader should know of them."""
-    shown = find_nominal(results)
+    evidence = find_nominal(results)
     scene = results.scene()
-    notes = [f"{describe_accuracy(scene, results.units)} {describe_motions(shown.records)}", *_explain_table(results)]
+    accuracy = f"{describe_accuracy(scene, results.units)} {describe_motions(evidence.records)}"
+    notes = [accuracy, *_explain_table(results)]
     if median := note_median_buildings(results):
         notes.append(median)
-    if len(shown.cases) > len(shown.plotted_cases):
-        notes.append(f"Figures show {len(shown.plotted_cases)} of the {len(shown.cases)} cases.")
+    if len(evidence.cases) > len(evidence.plotted_cases):
+        notes.append(f"Figures show {len(evidence.plotted_cases)} of the {len(evidence.cases)} cases.")
     for group in flag_groups_of(scene, results.units):
         notes.append(f"{f'Not meaningful ({MARK})' if group.meaningless else 'Note'}: {group}.")
     further = list_advice(results)  # warnings are printed before a run
@@ -161,59 +162,59 @@ def list_notes(results: ResultTables) -> list[str]:
 # How buildings respond
 
 
-def find_changes(shown: Evidence, building: str, response: ComparedResponse) -> list[ResponseChange]:
+def find_changes(evidence: Evidence, building: str, response: ComparedResponse) -> list[ResponseChange]:
     """Return the changes of a response of a building in every case that has them, the largest rise first.
 
     Of many cases it has those that the study draws (`report: {plot: ...}`).
     """
-    cases = shown.plotted_cases if len(shown.cases) > MAX_TOLD_CASES else shown.cases
+    cases = evidence.plotted_cases if len(evidence.cases) > MAX_TOLD_CASES else evidence.cases
     changes = []
     for case in cases:
         place = {"case": case, "analysis": response.analysis, "building": building}
-        if does_twist(shown, building):
-            ratios = line_values(shown, f"line_{response.ratio}", **place)
-            means = line_values(shown, f"line_{response.ratio}_mean", **place)
+        if does_twist(evidence, building):
+            ratios = line_values(evidence, f"line_{response.ratio}", **place)
+            means = line_values(evidence, f"line_{response.ratio}_mean", **place)
         else:
-            ratios = shown.values(response.ratio, **place)
-            means = shown.values(f"{response.ratio}_mean", **place)
-        is_meaningless = _count_meaningless(shown, case, response.analysis) == len(ratios)
-        if not _has_links(shown, case) or is_meaningless or not np.isfinite(means).any():
+            ratios = evidence.values(response.ratio, **place)
+            means = evidence.values(f"{response.ratio}_mean", **place)
+        is_meaningless = _count_meaningless(evidence, case, response.analysis) == len(ratios)
+        if not _has_links(evidence, case) or is_meaningless or not np.isfinite(means).any():
             continue
         motion, *peak_place = (int(each) for each in np.unravel_index(int(np.nanargmax(ratios)), ratios.shape))
         mean_place = [int(each) for each in np.unravel_index(int(np.nanargmax(means)), means.shape)]
         changes.append(
             ResponseChange(
-                case=shown.mark_case(case),
+                case=evidence.mark_case(case),
                 highest=float(np.nanmax(means)),
                 storey=mean_place[0] + 1,
                 lowest=float(np.nanmin(means)),
                 peak=float(np.nanmax(ratios)),
                 peak_storey=peak_place[0] + 1,
-                peak_motion=shown.names("record")[motion],
+                peak_motion=evidence.names("record")[motion],
                 motions=int(np.isfinite(ratios.reshape(len(ratios), -1)).any(axis=1).sum()),
-                is_apart=not _acts(shown, case, response.analysis),
+                is_apart=not _acts(evidence, case, response.analysis),
                 line=mean_place[1] + 1 if mean_place[1:] else 0,
                 peak_line=peak_place[1] + 1 if peak_place[1:] else 0,
-                has_lines_across=has_lines_across(shown, building),
+                has_lines_across=has_lines_across(evidence, building),
             )
         )
     return sorted(changes, key=lambda change: -change.highest)
 
 
-def _describe_building(shown: Evidence, building: str) -> list[str]:
+def _describe_building(evidence: Evidence, building: str) -> list[str]:
     """Return a sentence an analysis on what pounding does to a building."""
     responses = []
-    if Analysis.ELASTIC in shown.analyses:
+    if Analysis.ELASTIC in evidence.analyses:
         responses.append(ELASTIC_SHEARS)
-    if Analysis.INELASTIC in shown.analyses:
+    if Analysis.INELASTIC in evidence.analyses:
         place = {"analysis": Analysis.INELASTIC, "building": building}
-        yields = np.isfinite(shown.values("mu_ratio", **place)).any()
+        yields = np.isfinite(evidence.values("mu_ratio", **place)).any()
         responses.append(DUCTILITIES if yields else INELASTIC_SHEARS)
     sentences = []
     for response in responses:
-        changes = find_changes(shown, building, response)
+        changes = find_changes(evidence, building, response)
         if changes:
-            sentences.append(describe_changes(changes, building, response.noun, len(shown.names("record"))))
+            sentences.append(describe_changes(changes, building, response.noun, len(evidence.names("record"))))
     return sentences
 
 
@@ -338,16 +339,16 @@ def _format_rise(ratio: float) -> str:
     return _format_percent(ratio - 1) if ratio <= 2 else f"{float(f'{ratio:.2g}'):g}-fold"
 
 
-def _count_meaningless(shown: Evidence, case: str, analysis: str) -> int:
+def _count_meaningless(evidence: Evidence, case: str, analysis: str) -> int:
     """Return under how many motions the numbers of a case mean nothing."""
-    flags = shown.values("flags", case=case, analysis=analysis)
+    flags = evidence.values("flags", case=case, analysis=analysis)
     return sum(map(is_void, flags.tolist()))
 
 
-def _describe_meaningless(shown: Evidence) -> list[str]:
+def _describe_meaningless(evidence: Evidence) -> list[str]:
     """Return a sentence for every case and analysis whose numbers mean nothing under some motions."""
     sentences = []
-    for group in shown.flag_groups:
+    for group in evidence.flag_groups:
         if group.meaningless:
             under = "its motion" if group.of == 1 else f"{group.count} of {group.of} motions"
             sentences.append(
@@ -360,61 +361,63 @@ def _describe_meaningless(shown: Evidence) -> list[str]:
 # Gaps, collapses, failures, sweeps
 
 
-def _has_links(shown: Evidence, case: str) -> bool:
+def _has_links(evidence: Evidence, case: str) -> bool:
     """Return whether a case has links that may carry a force."""
-    if "kind" not in shown.results.arrays:
+    if "kind" not in evidence.results.arrays:
         return False
-    return any(kind not in ("", Apart.name) for kind in shown.values("kind", case=case).tolist())
+    return any(kind not in ("", Apart.name) for kind in evidence.values("kind", case=case).tolist())
 
 
-def _acts(shown: Evidence, case: str, analysis: str) -> bool:
+def _acts(evidence: Evidence, case: str, analysis: str) -> bool:
     """Return whether a link of a case carries a force under some motion."""
-    if "impacts" not in shown.results.arrays:
+    if "impacts" not in evidence.results.arrays:
         return False
     place = {"case": case, "analysis": analysis}
-    force = shown.values("peak_force", **place)
+    force = evidence.values("peak_force", **place)
     return bool((np.nan_to_num(force) > 0).any())
 
 
-def _describe_open_gaps(shown: Evidence) -> str:
+def _describe_open_gaps(evidence: Evidence) -> str:
     """Return that no link acts anywhere, with the closest approach of two floors; "" where one does."""
-    results = shown.results
-    if any(_acts(shown, case, analysis) for case in shown.cases for analysis in shown.analyses):
+    results = evidence.results
+    if any(_acts(evidence, case, analysis) for case in evidence.cases for analysis in evidence.analyses):
         return ""
-    if len(shown.group) == 1 or "gap" not in results.arrays:
+    if len(evidence.group) == 1 or "gap" not in results.arrays:
         return "Every building stands alone: the study has no links, so there is no pounding."
-    if not (shown.values("status") == DONE).any():
+    if not (evidence.values("status") == DONE).any():
         return ""
-    left_open = shown.values("gap")[:, None, None, :] - shown.values("max_closing")
+    left_open = evidence.values("gap")[:, None, None, :] - evidence.values("max_closing")
     if not np.isfinite(left_open).any():
         return "No link carries a force: every building responds as it does alone."
     case, analysis, motion, link = np.unravel_index(int(np.nanargmin(left_open)), left_open.shape)
     unit = results.units.get("gap") or Unit("mm", 1e-3, "m")
-    closing = float(shown.values("max_closing")[case, analysis, motion, link])
-    gap = float(shown.values("gap")[case, link])
-    where = [f"case {shown.cases[case]}", shown.names("link")[link]]
-    places = shown.values("street")[case] if "street" in results.arrays else np.zeros(0)
+    closing = float(evidence.values("max_closing")[case, analysis, motion, link])
+    gap = float(evidence.values("gap")[case, link])
+    where = [f"case {evidence.cases[case]}", evidence.names("link")[link]]
+    places = evidence.values("street")[case] if "street" in results.arrays else np.zeros(0)
     if len(set(places[np.isfinite(places)].tolist())) > 1:
         where.append(f"{format_length(float(places[link]))} along the street")
-    where += [shown.names("record")[motion]] if len(shown.names("record")) > 1 else []
+    where += [evidence.names("record")[motion]] if len(evidence.names("record")) > 1 else []
     return (
         "The floors never touch: every building responds as it does alone. The closest approach closes "
         f"{unit.text(closing, 3)} of a gap of {unit.text(gap)} ({', '.join(where)})."
     )
 
 
-def _describe_collapses(shown: Evidence) -> list[str]:
+def _describe_collapses(evidence: Evidence) -> list[str]:
     """Return a sentence for every building and analysis on the motions under which it collapses, alone and by case."""
-    arrays = shown.results.arrays
+    arrays = evidence.results.arrays
     if "collapsed" not in arrays:
         return []
-    motions = len(shown.names("record"))
+    motions = len(evidence.names("record"))
     sentences = []
-    for analysis in shown.analyses:
-        for building in shown.buildings_without_walls:
+    for analysis in evidence.analyses:
+        for building in evidence.buildings_without_walls:
             place = {"analysis": analysis, "building": building}
-            counts = {case: int((shown.values("collapsed", case=case, **place) > 0).sum()) for case in shown.cases}
-            alone = shown.values("collapsed0", **place) > 0
+            counts = {
+                case: int((evidence.values("collapsed", case=case, **place) > 0).sum()) for case in evidence.cases
+            }
+            alone = evidence.values("collapsed0", **place) > 0
             alone_count = int(alone.any(axis=0).sum())
             if not (any(counts.values()) or alone_count):
                 continue
@@ -435,45 +438,45 @@ def _describe_failures(results: ResultTables) -> list[str]:
     return [f"{failed} of {pluralize(len(scene), 'row')} failed and {'is' if failed == 1 else 'are'} left out."]
 
 
-def _describe_sweep(results: ResultTables, shown: Evidence) -> list[str]:
+def _describe_sweep(results: ResultTables, evidence: Evidence) -> list[str]:
     """Return where in a sweep pounding raises the responses of the main building most; nothing where it raises none."""
     if not results.axes or all(len(values) == 1 for values in results.axes.values()):
         return []
     sentences = []
     for response in (ELASTIC_SHEARS, DUCTILITIES):
-        if response.analysis not in shown.analyses:
+        if response.analysis not in evidence.analyses:
             continue
-        by_line = does_twist_anywhere(results, shown.main_building)
+        by_line = does_twist_anywhere(results, evidence.main_building)
         name = f"{'line_' * by_line}{response.ratio}_mean"
         array = results.arrays[name]
         values = keep_lines_along(results, name) if by_line else array.values
         analysis = array.dims.index("analysis")
         building = array.dims.index("building")
-        means = values.take([shown.analyses.index(response.analysis)], analysis)
-        means = means.take([shown.group.index(shown.main_building)], building)
+        means = values.take([evidence.analyses.index(response.analysis)], analysis)
+        means = means.take([evidence.group.index(evidence.main_building)], building)
         if not np.isfinite(means).any():
             continue
         place = dict(zip(array.dims, np.unravel_index(int(np.nanargmax(means)), means.shape), strict=True))
         ratio = float(np.nanmax(means))
         noun = response.noun
         if by_line:
-            all_lines = _name_lines(has_lines_across(shown, shown.main_building))
+            all_lines = _name_lines(has_lines_across(evidence, evidence.main_building))
             noun = f"{noun.replace('storey shears', 'shears')} of the {all_lines}"
         if ratio <= 1 + MIN_CHANGE:
-            sentences.append(f"Nowhere in the sweep do the {noun} of {shown.main_building} rise.")
+            sentences.append(f"Nowhere in the sweep do the {noun} of {evidence.main_building} rise.")
             continue
-        case = shown.cases[place["case"]]
+        case = evidence.cases[place["case"]]
         point = {key: results.axes[key][place[keys[0]]] for keys in results.swept for key in keys if keys[0] in place}
         acting = list_acting_keys(results, case)
         words = [f"{key} = {results.value_label(key, value)}" for key, value in point.items() if key in acting]
         amount = f"by up to {_format_rise(ratio)}" if ratio <= 2 else f"up to {_format_rise(ratio)}"
-        motions = len(shown.names("record"))
+        motions = len(evidence.names("record"))
         mean = f", mean of {motions} motions" if motions > 1 else ""
         where = f"at {', '.join(words)}" if words else f"in case {case}, which the sweep does not change"
         line = int(place["line"]) + 1 if by_line else 0
         details = f"{_format_place(line, int(place['storey']) + 1, 0)}{mean}"
         sentences.append(
-            f"Over the sweep the {noun} of {shown.main_building} rise most {where}: {amount} "
+            f"Over the sweep the {noun} of {evidence.main_building} rise most {where}: {amount} "
             f"({f'case {case}, {details}' if words else details})."
         )
     return sentences

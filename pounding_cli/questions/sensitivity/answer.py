@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from pounding_cli.numbers import Unit
-from pounding_cli.questions.expressions import build_key_frame
+from pounding_cli.questions.chosen_points import build_key_frame
 from pounding_cli.questions.frames import PURE_NUMBER, build_swept_frame, list_swept_columns
 from pounding_cli.questions.sensitivity.indices import compute_probability, find_most_influential
 from pounding_cli.questions.sensitivity.tables import SAMPLE_COLUMNS, SAMPLES

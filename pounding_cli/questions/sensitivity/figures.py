@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pounding_cli.numbers import Unit
-from pounding_cli.questions.expressions import find_output_unit
+from pounding_cli.questions.expression_words import find_output_unit
 from pounding_cli.questions.sensitivity.words import describe_influence, describe_output_place, list_shown
 from pounding_cli.report.document import Picture
 from pounding_cli.report.style import finish, new_figure, shared_legend, with_style

@@ -10,15 +10,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from pounding_cli.questions.expressions import (
-    Values,
-    depends_on_contact,
-    evaluate_expression,
-    find_distinct_points,
-    find_struck_buildings,
-    parse_all,
-    study_at_points,
-)
+from pounding_cli.questions.chosen_points import find_distinct_points, study_at_points
+from pounding_cli.questions.expression_words import depends_on_contact, find_struck_buildings
+from pounding_cli.questions.expressions import Values, evaluate_expression, parse_all
 from pounding_cli.questions.frames import list_swept_columns
 from pounding_cli.questions.question import Answer, StudyQuestion
 from pounding_cli.questions.sensitivity.answer import (

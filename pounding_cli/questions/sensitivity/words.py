@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from pounding_cli.numbers import NOTHING, Unit, pluralize
-from pounding_cli.questions.expressions import CONTACT_NOTE, ON_CONTACT, describe_output, find_output_unit
+from pounding_cli.questions.expression_words import CONTACT_NOTE, ON_CONTACT, describe_output, find_output_unit
 from pounding_cli.questions.frames import FOUND
 from pounding_cli.questions.sensitivity.tables import INDICES, OUTPUTS, PERCENTILES, PROBABILITIES, SAMPLES
 from pounding_cli.report.background import STIFFNESS_KEY
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from pounding_cli.results.results import ResultTables
 
 MAX_OUTPUTS = 6
-"""Outputs with a table and a line of panels; of more, the first are shown."""
+"""Outputs with a table and a line of panels; of more, the first are evidence."""
 
 MAX_STATEMENTS = 4
 """Statements with a sentence each; more are summed up in one."""

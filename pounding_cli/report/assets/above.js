@@ -18,6 +18,7 @@ function layoutAbove(scene, width, scale, gaps) {
 /** Draw a floor of every building at a time; `glow` as in `drawStage`. */
 function drawAbove(canvas, scene, at, floor, time, glow, ink) {
   const pen = sharp(canvas, at.width, at.height), upward = (street) => at.base - (street - at.low) * at.pixels;
+  pen.textEnds = {};
   const point = (building, level, along, street) => { // along the row from its centre, and the place along the street [m]
     const { centre } = scene.buildings[building].plan, turn = scene.turned(building, level, time);
     const moved = scene.moved(building, level, time) - (street - centre) * turn;
@@ -28,11 +29,12 @@ function drawAbove(canvas, scene, at, floor, time, glow, ink) {
   pen.save();
   pen.translate(24, at.height - 30);
   pen.rotate(-Math.PI / 2);
-  write(pen, ink.soft, 'along the street', 0, 0, 'left');
+  pen.font = '12px system-ui, sans-serif';
+  write(pen, ink.soft, pen.measureText('along the street').width < at.height - 50 ? 'along the street' : 'street', 0, 0, 'left');
   pen.restore();
   write(pen, ink.soft, `floor ${floor} from above`, at.width - 2, 12, 'right');
   scene.buildings.forEach(({ heights, plan, name }, number) => {
-    const level = Math.min(floor, heights.length), isHere = level === floor, half = plan.depth / 2, solid = plan.known ? [] : [6, 4];
+    const level = Math.min(floor, heights.length), isHere = plan.wall || level === floor, half = plan.depth / 2, solid = plan.known ? [] : [6, 4];
     const corners = [[-half, plan.low], [half, plan.low], [half, plan.high], [-half, plan.high], [-half, plan.low]];
     pen.setLineDash([2, 4]);
     line(pen, ink.soft, 1, corners.map(([x, y]) => [at.middles[number] + x * at.pixels, upward(y)]));
@@ -51,12 +53,10 @@ function drawAbove(canvas, scene, at, floor, time, glow, ink) {
       line(pen, ink.ink, 1.5, [[x, y - 5], [x, y + 5]]);
     }
     pen.globalAlpha = 1;
-    pen.font = '600 12.5px system-ui, sans-serif';
-    if (pen.measureText(name).width < plan.depth * at.pixels * 1.2) write(pen, ink.ink, name, at.middles[number], at.height - 22, 'center', '600 12.5px');
+    writeApart(pen, ink.ink, [name], at.middles[number], at.height - 22, Math.max(plan.depth * at.pixels * 1.2, SHORT_NAME), '600 12.5px');
     const turn = `${(1e3 * scene.turned(number, level, time)).toFixed(2).replace('-', '−')} mrad`;
-    const text = isHere ? (plan.turns ? turn : 'does not twist') : `roof: floor ${level}`;
-    pen.font = '12px system-ui, sans-serif';
-    if (pen.measureText(text).width < plan.depth * at.pixels * 1.1) write(pen, ink.soft, text, at.middles[number], at.height - 6);
+    const texts = isHere ? [plan.turns ? turn : plan.wall ? 'wall' : 'does not twist'] : [`roof: floor ${level}`, `floor ${level}`];
+    writeApart(pen, ink.soft, texts, at.middles[number], at.height - 6, plan.depth * at.pixels * 1.1);
   });
   scene.links.forEach((link, number) => {
     if (link.floor !== floor && link.right_floor !== floor) return;

@@ -150,9 +150,24 @@ function write(pen, color, text, x, y, align = 'center', font = '12px') {
   pen.fillText(text, x, y);
 }
 
+/** Width of a name that is written below a building of any width, where it stands clear of others [pixels]. */
+const SHORT_NAME = 36;
+
+/** Write the first of some texts that fits into a width and stands clear of the text left of it at the same height. */
+function writeApart(pen, color, texts, x, y, width, font = '12px') {
+  pen.font = `${font} system-ui, sans-serif`;
+  const half = (text) => pen.measureText(text).width / 2;
+  const text = texts.find((one) => 2 * half(one) < width && x - half(one) > (pen.textEnds[y] ?? -Infinity) + 4);
+  if (text === undefined) return false;
+  pen.textEnds[y] = x + half(text);
+  write(pen, color, text, x, y, 'center', font);
+  return true;
+}
+
 /** Draw the buildings at a time; `glow`: force of every link over the largest one, fading after an impact. */
 function drawStage(canvas, scene, at, time, glow, ink) {
   const pen = sharp(canvas, at.width, at.height), x = (building, floor) => at.starts[building] + scene.moved(building, floor, time) * at.sideways;
+  pen.textEnds = {};
   const thick = scene.buildings.map(({ slab }, number) => Math.max(2, slab ? slab * at.up : Math.min(7, at.heights[number][1] * at.up * 0.12)));
   const middle = at.width / 2, end = middle + (scene.between(scene.ground, time) / (scene.mostGround || 1)) * Math.min(120, at.width * 0.25);
   line(pen, ink.earth, 3, [[0, at.ground + 1], [at.width, at.ground + 1]]);
@@ -212,10 +227,8 @@ function drawBuilding(pen, scene, at, number, time, x, thick, ink) {
     }
   }
   const { name, period } = scene.buildings[number];
-  pen.font = '600 12.5px system-ui, sans-serif';
-  if (pen.measureText(name).width >= at.wide * 1.15) return;
-  write(pen, ink.ink, name, middle, at.ground + 25, 'center', '600 12.5px');
-  if (period) write(pen, ink.soft, `${period.toFixed(2)} s`, middle, at.ground + 40);
+  const isNamed = writeApart(pen, ink.ink, [name], middle, at.ground + 25, Math.max(at.wide * 1.15, SHORT_NAME), '600 12.5px');
+  if (period && isNamed) writeApart(pen, ink.soft, [`${period.toFixed(2)} s`], middle, at.ground + 40, Infinity);
 }
 
 /** By how much a slab reaches further; columns do not, so that the slab that strikes them does by all of it. */
