@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -310,7 +311,8 @@ def _warn_gaps_in_numbers(building: ImportedBuilding) -> None:
     numbers = _find_numbers(building.names)
     if not numbers:
         return
-    absent = sorted(set(range(min(numbers), max(numbers))) - set(numbers) - {0})
+    present = {0, *numbers}
+    absent = list(islice((number for number in range(min(numbers), max(numbers)) if number not in present), 10))
     if absent:
         shown = join_limited([str(number) for number in absent], 100)
         building.warnings.append(f"the names of the storeys leave out the number {shown}: is a row missing?")
