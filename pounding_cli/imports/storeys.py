@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -229,7 +230,8 @@ def _warn_gaps_in_numbers(building: ImportedBuilding) -> None:
     numbers = find_numbers(building.names)
     if not numbers:
         return
-    absent = sorted(set(range(min(numbers), max(numbers))) - set(numbers) - {0})
+    present = {0, *numbers}
+    absent = list(islice((number for number in range(min(numbers), max(numbers)) if number not in present), 10))
     if absent:
         listed = join_limited([str(number) for number in absent], 100)
         building.warnings.append(f"the names of the storeys leave out the number {listed}: is a row missing?")

@@ -585,6 +585,7 @@ def test_wrong_plain_tables_are_refused_by_name(folder, pound, lines, options, w
         ([PLAIN, *ROWS, "Total,10.4,560,,"], ["left out: row 5 of 'plain', 'Total'", "1, 2, 3"], []),
         ([PLAIN + ",Remark", *(row + ",x" for row in ROWS)], ["columns left out: Remark"], []),
         ([PLAIN, ROWS[0], ROWS[2]], ["2 storeys"], ["leave out the number 2"]),
+        ([PLAIN, *ROWS, f"{10**40},3,100,90,900"], ["4 storeys"], ["leave out the number 4, 5, 6"]),
         ([PLAIN, "-1,3,300,900,9000", "-2,3,300,900,9000", ROWS[2]], ["up -2, -1, 1"], ["-2, -1 sound as if below"]),
         ([PLAIN.replace(",", ";"), "1;4;210,5;200;900"], ["decimal commas: '210,5' is 210.5"], []),
         ([PLAIN.replace(",", ";"), "1;4;210.000;214.000;900"], ["1 storey"], ["three digits stand behind every point"]),
