@@ -8,6 +8,8 @@ import re
 import numpy as np
 import pytest
 
+from tests.night import NIGHTLY
+
 CASES = ["touching", "gap", "infill", "connected"]
 PAPER = {"light": "rgb(250, 249, 246)", "dark": "rgb(17, 21, 26)"}
 
@@ -119,7 +121,9 @@ def test_a_study_of_which_no_linked_scene_ended_opens(visit):
 # the page as a whole
 
 
-@pytest.mark.parametrize("name", ["kept", "twisted", "swept", "gap", "fragility", "sensitivity", "optimise"])
+@pytest.mark.parametrize(
+    "name", ["kept", "twisted", pytest.param("swept", marks=NIGHTLY), "gap", "fragility", "sensitivity", "optimise"]
+)
 def test_no_table_is_scrolled_sideways(visit, name):
     """At 1400 pixels, closed tables too. Fails if a table is wider than the page, or cells are cut."""
     page = visit(name, 1400)
@@ -300,7 +304,12 @@ def test_the_explorer_offers_frame_lines(visit, reports):
 
 
 @pytest.mark.parametrize(
-    ("name", "width", "theme"), [("kept", 1280, "light"), ("kept", 400, "dark"), ("twisted", 400, "light")]
+    ("name", "width", "theme"),
+    [
+        ("kept", 1280, "light"),
+        pytest.param("kept", 400, "dark", marks=NIGHTLY),
+        pytest.param("twisted", 400, "light", marks=NIGHTLY),
+    ],
 )
 def test_no_barrier_is_found(visit, name, width, theme):
     axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()

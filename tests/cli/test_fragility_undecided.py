@@ -12,6 +12,7 @@ from pounding_cli import open_results
 from pounding_cli.questions.fragility.hunt import next_levels
 from pounding_cli.questions.reports import build_report as report
 from tests.adapter import response
+from tests.night import NIGHTLY
 
 # A has a soft lower storey that collapses, and an upper one far too strong to yield much. B stays far from its limits.
 STUDY = """\
@@ -152,7 +153,7 @@ def test_other_methods_leave_the_same_undecided(pound, folder, method):
 
 
 @pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("method", ["ida", "stripes"])
+@pytest.mark.parametrize("method", ["ida", pytest.param("stripes", marks=NIGHTLY)])
 def test_limits_that_are_never_passed_leave_the_figure_as_it_is(pound, folder, method):
     """Fails if a limit without a curve squeezes the panels, sets the axis of a limit that has curves, or writes over
     its neighbour, or if the caption is cut."""

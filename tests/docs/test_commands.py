@@ -21,10 +21,11 @@ HOW_TO = (
     "seen-neighbour",
     "sensitivity",
     "sweep",
+    "twist",
 )
 """How-to pages that take long."""
 
-LONG = {"docs/reproduction.md", *(f"docs/how-to/{name}.md" for name in HOW_TO)}
+LONG = {"docs/reproduction.md", "docs/page.md", *(f"docs/how-to/{name}.md" for name in HOW_TO)}
 ELSEWHERE = {"docs/architecture.md", "docs/extending.md"}
 """Pages whose Python has a test of its own, or is a sketch of types."""
 

@@ -109,6 +109,7 @@ def test_first_study(notebook):
     assert max(worst) > worst[0] + 0.05
 
 
+@NIGHTLY
 def test_one_impact(notebook):
     """Duration, rebound and largest force against the closed form of a Kelvin-Voigt contact (eqs 6, 7)."""
     (spring, lasted, met, parted, largest, lost, peak, pulls), shown = notebook(
