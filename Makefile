@@ -115,7 +115,7 @@ reference: $(MOTIONS)
 	POUND_NIGHTLY=1 $(BIN)/python -m pytest -n auto --dist loadgroup tests/docs tests/matrix tests/hard/test_kernel_cache.py \
 	  tests/cli/test_motion_sets.py tests/cli/test_commands.py tests/cli/test_report.py tests/physics/test_laws.py \
 	  tests/physics/test_isolation.py tests/cli/test_report_paper.py tests/cli/test_optimise.py tests/cli/test_check.py \
-	  tests/cli/test_fragility_undecided.py tests/cli/test_systems.py tests/browser
+	  tests/cli/test_fragility_undecided.py tests/cli/test_systems.py tests/browser tests/results/test_views.py
 
 # Random studies over the whole schema (about ten minutes; SCENES=2000 for a short run), and a thousand mutations each of
 # studies and motions.

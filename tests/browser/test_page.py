@@ -242,6 +242,7 @@ STARS = """canvas => {
 """Where the light of contacts stands on a canvas, and how many of its pixels have it."""
 
 
+@NIGHTLY
 def test_the_player_shows_floors_from_above(visit, reports):
     """Turns are those of the history; a contact is lit at its place along the street, of the floor that is chosen."""
     page, (results, _) = visit("twisted"), reports("twisted")

@@ -96,6 +96,7 @@ def test_several_files_are_compared_on_one_page(made, folder, pound):
     assert Path("same/two-2/report.html").is_file()
 
 
+@NIGHTLY
 def test_several_files_of_any_study_are_compared(made, folder, pound):
     """Of a study that names no figure of the paper, and of an answer. Fails if the page compares claims alone."""
     for name, gap in (("near", "5 mm"), ("wide", "50 cm")):

@@ -21,6 +21,7 @@ def solved(pound, folder):
     return lambda *arguments: pound("report", "r.h5", "-q", *arguments)
 
 
+@NIGHTLY
 def test_figures_for_a_paper_are_vectors_without_title_and_caption(solved, folder):
     assert solved("-o", "paper", "--figures-for-paper")[0] == 0
     drawn = sorted(path.name for path in (folder / "paper").glob("*.*"))

@@ -16,6 +16,7 @@ from click.testing import CliRunner
 import pounding_cli
 from pounding_cli.cli.main import cli
 from pounding_cli.paper import claims, verdicts
+from tests.night import NIGHTLY
 
 ROOT = Path(__file__).parents[2]
 COLUMN = {"fig6": 1, "fig7": 3}
@@ -146,6 +147,7 @@ def test_a_connector_pulls_and_pushes(judged):
     assert (forces[joined].max() > 0).all()
 
 
+@NIGHTLY
 @pytest.mark.parametrize(
     ("figure", "choice"), [each for each in product(COLUMN, CHOICES) if each != ("fig6", "arrangement")]
 )

@@ -97,7 +97,7 @@ def test_every_engine_gives_the_same_tables(workflow, engine, wanted, scheduler,
 @pytest.mark.parametrize("workflow", STUDIES)
 def test_killed_and_run_again_it_gives_the_same_tables(workflow, engine, wanted, scheduler, forks, tmp_path):
     """Killed when half of its scenes are back; the second run solves only the rest."""
-    skip_by_day(workflow, ("run", "gap", "fragility") if engine == "serial" else ("run",))
+    skip_by_day(workflow, ("run", "gap") if engine == "serial" else ("run",))
     study, output, address = written(workflow, tmp_path), tmp_path / "r.h5", scheduler(engine)
     run = forks.Process(target=killed, args=(workflow, engine, study, output, address, HALF[workflow]))
     run.start()

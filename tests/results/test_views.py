@@ -16,6 +16,7 @@ from pounding_cli.cli.main import cli
 from pounding_cli.questions.run.tables import build_peaks_table
 from pounding_cli.results import arrays, columns
 from pounding_cli.results.compare import compare
+from tests.night import NIGHTLY
 
 STUDY = {
     "title": "A <b>bold</b> title",
@@ -89,6 +90,7 @@ OPERATIONS = {
 }
 
 
+@NIGHTLY
 @pytest.mark.parametrize("operation", OPERATIONS.values(), ids=OPERATIONS)
 def test_values_that_are_read_when_they_are_asked_for_are_those_that_are_read_at_once(results, monkeypatch, operation):
     """Fails where an operation copies or pickles the open file behind large arrays, which HDF5 refuses."""
