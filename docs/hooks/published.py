@@ -23,7 +23,7 @@ import pounding_cli as pound
 
 sys.path.append(str(Path(__file__).with_suffix("")))  # the modules of the studies; hooks are no package
 
-from comparison import DOCS, GALLERY, Entry, Row
+from comparison import DOCS, GALLERY, NOT_KNOWN, Entry, Row
 
 PAGE = DOCS / "published.md"
 FIGURES = DOCS / "figures"
@@ -120,11 +120,11 @@ def summarise_table(table: str) -> str:
     """Return the largest difference of the rows with numbers of a table and how many statements hold."""
     differences = [row[3] for row in split_rows(table)]
     numbers = [each for each in differences if re.fullmatch(r"[-+][\d.]+ (%|µs)", each)]
-    words = [each for each in differences if each not in numbers]
+    words = [each for each in differences if each not in (*numbers, NOT_KNOWN)]
     parts = [max(numbers, key=lambda each: abs(float(each.split()[0]))).lstrip("+-")] if numbers else []
     if words:
         parts.append(f"{words.count('none')} of {len(words)} statements hold")
-    return ", ".join(parts)
+    return ", ".join(parts) or NOT_KNOWN
 
 
 def count_matches(markdown: str) -> str:

@@ -54,6 +54,7 @@ def test_the_overview_is_that_of_the_tables():
         (["+0.10 %", "-0.39 %"], "0.39 %"),
         (["+0.15 µs", "none", "3 frequencies"], "0.15 µs, 1 of 2 statements hold"),
         (["4 blows"], "0 of 1 statements hold"),
+        (["not known", "not known"], "not known"),
     ],
 )
 def test_the_overview_tells_the_largest_difference(differences, said):

