@@ -308,7 +308,8 @@ class _Scaler:
             if isinstance(duration, float) and seconds > motion.duration + motion.dt:
                 short.append(f"{name} ({motion.duration:g} s)")
             cut[name] = motion.cut_to(seconds)
-            is_chosen = isinstance(duration, float) and not self.sources.items[name].is_of_catalogue
+            item = self.sources.items[name]
+            is_chosen = isinstance(duration, float) and not item.is_of_catalogue and item.sine is None
             if is_chosen and records.arias(cut[name]) < MIN_USUAL_ENERGY * records.arias(motion):
                 begun.append(name)
         doubts = [*self.sources.doubts]

@@ -206,3 +206,9 @@ def test_a_motion_may_have_a_dot_in_its_name(motion, pound) -> None:
     assert "Motions: user: 1.25 Hz" in said
     results = pounding_cli.open_results("results/study.h5")
     assert set(results.storey()["record"]) == {"1.25 Hz"}
+
+
+def test_a_part_of_a_steady_motion_is_no_doubt(pound) -> None:
+    """Fails if it is warned that strong shaking is cut off, which a sine has all along."""
+    done = pound("check", "[{sine: 2 Hz, amplitude: 0.1 g, cycles: 40}]", duration="5 s")
+    assert "Arias intensity of" not in flat(done.output)
