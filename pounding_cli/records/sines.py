@@ -12,6 +12,9 @@ SAMPLES_A_CYCLE = 200
 """Samples of one cycle: straight lines between them miss the sine by up to (2 pi / 200)^2 / 8 = 1.2e-4 of its
 amplitude; their part of its frequency is (2 pi / 200)^2 / 12 = 8e-5 too small."""
 
+MAX_CYCLES = 100_000
+"""Cycles of all sinusoidal motions of one entry of a study: their samples take 160 MB."""
+
 SINE_SOURCE = "sine"
 """The label of every sinusoidal motion (`Motion.source`)."""
 

@@ -21,7 +21,7 @@ from pounding_cli.records.code_spectra import (
     CodeSpectrum,
 )
 from pounding_cli.records.reading import MAX_PEAK
-from pounding_cli.records.sines import Sine
+from pounding_cli.records.sines import MAX_CYCLES, Sine
 from pounding_cli.records.units import ACCELERATION_UNITS, find_acceleration_unit
 from pounding_cli.study.base import LabelText, Model, SpecIssue, errors, spec_field, tagged_union
 from pounding_cli.study.file import nearest
@@ -88,25 +88,23 @@ class FrequencyRangeSpec(Model):
             yield (), "a range of frequencies has either `count` or `step`", hint
         elif self.count == 1:
             yield ("count",), "a range has two frequencies at least", "write `sine: 1 Hz` for a single one"
-        elif self.step is not None and not self._has_whole_steps(self.step):
-            message = f"steps of {self.step:g} Hz do not lead {ends}: that is {self._steps(self.step):.4g} steps"
+        elif self.step is not None and not self._has_whole_steps():
+            message = f"steps of {self.step:g} Hz do not lead {ends}: that is {self._count_steps():.4g} steps"
             yield ("step",), message, "change an end or the step, at most 1000 frequencies, or write `count:`"
 
-    def _steps(self, step: float) -> float:
-        """Return how many steps lead from the first frequency to the last."""
-        return (self.last - self.first) / step
+    def _count_steps(self) -> float:
+        """Return how many steps lead from the first frequency to the last; 0 where `count` is given instead."""
+        return (self.last - self.first) / self.step if self.step is not None else 0.0
 
-    def _has_whole_steps(self, step: float) -> bool:
+    def _has_whole_steps(self) -> bool:
         """Return whether a whole number of steps leads from the first frequency to the last."""
-        steps = self._steps(step)
+        steps = self._count_steps()
         return 0.5 < steps < 1000 and math.isclose(steps, round(steps), rel_tol=1e-9)
 
     def list_frequencies(self) -> tuple[float, ...]:
         """Return the frequencies [Hz]."""
-        count = self.count
-        if self.step is not None:
-            count = round(self._steps(self.step)) + 1
-        return tuple(float(each) for each in np.linspace(self.first, self.last, count or 2))
+        count = self.count or round(self._count_steps()) + 1
+        return tuple(float(number) for number in np.linspace(self.first, self.last, count))
 
 
 def _find_frequencies_kind(value: Any) -> str:
@@ -138,15 +136,20 @@ class SineSpec(Model):
         if self.ramp > self.cycles:
             message = f"the motion grows over {self.ramp:g} cycles and has {self.cycles:g}"
             yield ("ramp",), message, "write a smaller `ramp:`, or more `cycles:`"
+        count = len(self.list_frequencies())
+        if count * self.cycles > MAX_CYCLES:
+            message = f"{count} frequencies of {self.cycles:g} cycles are more than {MAX_CYCLES} cycles"
+            yield ("cycles",), message, f"write at most {MAX_CYCLES // count} cycles, or fewer frequencies"
+
+    def list_frequencies(self) -> tuple[float, ...]:
+        """Return the frequencies [Hz]."""
+        if isinstance(self.sine, FrequencyRangeSpec):
+            return self.sine.list_frequencies()
+        return self.sine if isinstance(self.sine, tuple) else (self.sine,)
 
     def list_sines(self) -> tuple[Sine, ...]:
         """Return the motions."""
-        frequencies = self.sine
-        if isinstance(frequencies, FrequencyRangeSpec):
-            frequencies = frequencies.list_frequencies()
-        elif isinstance(frequencies, float):
-            frequencies = (frequencies,)
-        return tuple(Sine(frequency, self.amplitude, self.cycles, self.ramp) for frequency in frequencies)
+        return tuple(Sine(each, self.amplitude, self.cycles, self.ramp) for each in self.list_frequencies())
 
 
 class AriasSpec(Model):
