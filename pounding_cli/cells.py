@@ -1,0 +1,272 @@
+"""Cells of plain text files: one grammar of numbers for motions, hazard curves, storeys, pushover curves and streets.
+
+A file is lines, a line is cells, and a `Grammar` says how they are written: what parts them, the decimal sign, the sign
+between thousands. Every cell has a line and a column, and one that is not a number is refused there, with what settles
+it. Nothing here reads a meaning out of words.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from pounding_cli.errors import InputError, Problem
+from pounding_cli.reading import read_bytes, shorten_path
+
+MAX_FILE_BYTES = 20_000_000
+"""Size of a text file [bytes]."""
+
+MAX_LINE_LENGTH = 1_000_000
+"""Characters of a line."""
+
+BLANKS = " "
+"""The separator of cells that any number of blanks or tabs part."""
+
+SEPARATORS = (";", "\t", ",", BLANKS)
+"""What may part cells. Where nothing is declared the first of these on a row counts, as the others may stand within its
+cells."""
+
+SEPARATOR_WORDS = {";": "semicolons", "\t": "tabs", ",": "commas", BLANKS: "blanks"}
+
+_CONTROL = bytes(set(range(32)) - set(b"\t\n\v\f\r"))
+_BINARY = (
+    (b"PK\x03\x04", "a zip archive or an Excel workbook"), (b"\x1f\x8b", "a gzip archive"), (b"%PDF", "a PDF document"),
+    (b"\x89HDF", "an HDF5 file"), (b"MATLAB 5.0 MAT", "a MATLAB file"), (b"\x93NUMPY", "a NumPy array"),
+    (b"\xd0\xcf\x11\xe0", "an Excel workbook"),
+)  # fmt: skip
+# How files that hold no text begin.
+_EXPONENT = r"(?:[EeDd][-+]?\d+)?"
+_FORTRAN = re.compile(r"\(?\s*(\d{0,3})\s*[FEDGI]\s*([1-9]\d?)(?:\.\d{1,2})?\s*\)?\Z", re.IGNORECASE)
+_TOUCHING = re.compile(r"[-+]?(?:\d+\.\d*|\.\d+)(?:[EeDd][-+]?\d+)?(?:[-+](?:\d+\.\d*|\.\d+)(?:[EeDd][-+]?\d+)?)+\Z")
+_WITH_UNIT = re.compile(r"([-+]?(?:\d+[.,]?\d*|[.,]\d+))\s*([A-Za-z%°][\w/^²%*]*)\Z")
+_WITH_COMMA = re.compile(r"[-+]?\d*,\d+(?:[EeDd][-+]?\d+)?\Z")
+_WITH_THOUSANDS = re.compile(r"[-+]?\d{1,3}(?P<sign>[,.' \u00a0\u202f])\d{3}(?:(?P=sign)\d{3})*(?:[.,]\d*)?\Z")
+
+
+class Row(NamedTuple):
+    """The cells of a line, without blanks around them.
+
+    line : its number, from 1
+    """
+
+    line: int
+    cells: list[str]
+
+
+@dataclass(frozen=True)
+class TextFile:
+    """A text file as its lines.
+
+    encoding : "UTF-16" or "Latin-1" where the file is that; "" for UTF-8
+    """
+
+    path: Path
+    lines: list[str]
+    encoding: str = ""
+
+    def refuse(self, message: str, hint: str, line: int = 0, column: int = 1) -> InputError:
+        """Return the refusal at a place of this file; line, column : from 1; line 0 is the whole file."""
+        line = min(line, len(self.lines))
+        return InputError(Problem(message, hint, shorten_path(self.path), line, column if line else 0))
+
+
+@dataclass(frozen=True)
+class Grammar:
+    """How the cells of a file are written.
+
+    separator : one of `SEPARATORS`
+    decimal : "." or ","
+    thousands : sign between groups of three digits; "" for none
+    widths : characters of each cell in the fixed columns of a Fortran format; () where a separator parts them
+    """
+
+    separator: str = BLANKS
+    decimal: str = "."
+    thousands: str = ""
+    widths: tuple[int, ...] = ()
+
+    def split(self, line: str) -> list[str]:
+        """Return the cells of a line; quotes hold a cell together, and a separator at the end begins no other."""
+        if self.widths:
+            return self._split_columns(line)
+        if self.separator == BLANKS:
+            return line.split()
+        if '"' in line:
+            cells = [cell.strip() for cell in next(csv.reader([line], delimiter=self.separator, skipinitialspace=True))]
+        else:
+            cells = [cell.strip() for cell in line.split(self.separator)]
+        return cells[:-1] if len(cells) > 1 and not cells[-1] else cells
+
+    def _split_columns(self, line: str) -> list[str]:
+        """Return the cells of fixed columns; empty ones at the end of a line are none."""
+        cells = []
+        begin = 0
+        for width in self.widths:
+            cells.append(line[begin : begin + width].strip())
+            begin += width
+        while cells and not cells[-1]:
+            cells.pop()
+        return cells
+
+    def find_column(self, line: str, place: int) -> int:
+        """Return the column, from 1, at which the cell of a place, from 0, begins on a line."""
+        if self.widths:
+            begin = sum(self.widths[:place])
+            return begin + 1 + len(line[begin:]) - len(line[begin:].lstrip())
+        if self.separator == BLANKS:
+            return [match.start() + 1 for match in re.finditer(r"\S+", line)][place]
+        starts = [0]
+        is_quoted = False
+        for offset, sign in enumerate(line):
+            is_quoted ^= sign == '"'
+            if sign == self.separator and not is_quoted:
+                starts.append(offset + 1)
+        begin = starts[min(place, len(starts) - 1)]
+        return begin + 1 + len(line[begin:]) - len(line[begin:].lstrip())
+
+    @cached_property
+    def _pattern(self) -> re.Pattern[str]:
+        digits = r"\d+"
+        if self.thousands:
+            digits = rf"(?:\d{{1,3}}(?:{re.escape(self.thousands)}\d{{3}})+|\d+)"
+        decimal = re.escape(self.decimal)
+        return re.compile(rf"[-+]?(?:{digits}(?:{decimal}\d*)?|{decimal}\d+){_EXPONENT}\Z", re.ASCII)
+
+    def parse(self, cell: str) -> float | None:
+        """Return the finite number of a cell, 1.0D-03 too; None where it is none.  Zero has no sign."""
+        if not self._pattern.match(cell):
+            return None
+        plain = cell.replace(self.thousands, "") if self.thousands else cell
+        value = float(plain.replace(self.decimal, ".").replace("D", "E").replace("d", "e")) + 0.0
+        return value if math.isfinite(value) else None
+
+    def is_row_of_numbers(self, line: str) -> bool:
+        """Return whether a line holds numbers in this grammar, and nothing else."""
+        cells = self.split(line)
+        return bool(cells) and all(self.parse(cell) is not None for cell in cells)
+
+    def read_numbers(self, text: TextFile, rows: Sequence[Row]) -> np.ndarray:
+        """Return the numbers of all cells, row by row, shape (n,).
+
+        Raises
+        ------
+        InputError : a cell is no number, at its line and column
+        """
+        cells = [cell for row in rows for cell in row.cells]
+        if not self.thousands and not re.search(rf"[^\d{self.decimal}EeDd+\-\n]", "\n".join(cells), re.ASCII):
+            plain = [cell.replace(self.decimal, ".").replace("D", "E").replace("d", "e") for cell in cells]
+            try:
+                values = np.array(plain, dtype=float) + 0.0  # zero has no sign
+            except ValueError:
+                values = np.array([math.nan])  # found out below
+            if np.isfinite(values).all():
+                return values
+        numbers = []
+        for row in rows:
+            for place, cell in enumerate(row.cells):
+                value = self.parse(cell)
+                if value is None:
+                    raise self.refuse_cell(text, row, place)
+                numbers.append(value)
+        return np.array(numbers)
+
+    def refuse_cell(self, text: TextFile, row: Row, place: int) -> InputError:
+        """Return the refusal of a cell that is no number; place : of it in its row, from 0."""
+        message, hint = self.describe_fault(row.cells[place])
+        return text.refuse(message, hint, row.line, self.find_column(text.lines[row.line - 1], place))
+
+    def describe_fault(self, cell: str) -> tuple[str, str]:
+        """Return what is wrong with a cell that is no number, and what settles it."""
+        shown = f"'{cell[:40]}' is not a number"
+        if not cell:
+            return "a cell is empty", "write the number that belongs there; a record is cut before a gap"
+        if set(cell) <= set("*"):
+            return f"'{cell[:40]}' is a number that was too wide for its field", "its value is lost: get the file again"
+        if cell.lower().lstrip("+-") in ("nan", "inf", "infinity", "na", "n/a", "null", "-"):
+            return f"'{cell[:40]}' is not a finite number", "write the number that belongs there; cut before a gap"
+        if _TOUCHING.match(cell):
+            return f"in '{cell[:40]}' numbers touch", "declare the columns that they are printed in, `format: 8F9.6`"
+        if hint := self._suggest_signs(cell):
+            return shown, hint
+        if match := _WITH_UNIT.match(cell):
+            return f"'{cell[:40]}' has a unit in its cell", f"write {match[1]} there, and its unit beside `file:`"
+        return shown, "write plain numbers, one a cell"
+
+    def _suggest_signs(self, cell: str) -> str:
+        """Return the keys that make a number of a cell with another decimal sign or thousands; "" for none."""
+        hints = []
+        thousands = _WITH_THOUSANDS.match(cell)
+        if thousands is not None and thousands["sign"] != self.decimal and not self.thousands:
+            declared = Grammar(self.separator, self.decimal, thousands["sign"])
+            value = declared.parse(cell)
+            if value is not None:
+                hints.append(f"""`thousands: "{thousands["sign"]}"` if it is {value:.10g}""")
+        other = Grammar(self.separator, "," if self.decimal == "." else ".")
+        value = other.parse(cell)
+        if value is not None and self.separator != other.decimal:
+            hints.append(f"""`decimal: "{other.decimal}"` if it is {value:.10g}""")
+        if not hints and _WITH_COMMA.match(cell):
+            return """write `decimal: ","`, and `separator:` for what parts the cells"""
+        return f"write {', or '.join(hints)}" if hints else ""
+
+
+def choose_separator(line: str, decimal: str = ".") -> str:
+    """Return what parts the cells of a line where nothing is declared: the first of `SEPARATORS` that stands on it."""
+    return next(sign for sign in SEPARATORS if sign == BLANKS or (sign in line and sign != decimal))
+
+
+def parse_fortran(written: str) -> tuple[int, ...]:
+    """Return the widths of the cells on a line in a Fortran format such as `8F9.6`, `(8F10.5)` or `5E15.7`.
+
+    Raises
+    ------
+    ValueError : it is none
+    """
+    match = _FORTRAN.match(written.strip())
+    count = int(match[1] or 1) if match else 0
+    if match is None or count == 0:
+        raise ValueError(written)
+    return (int(match[2]),) * count
+
+
+def load_text(path: Path, what: str) -> TextFile:
+    """Return a file as lines.
+
+    what : it is, for messages: "motion file"
+
+    Raises
+    ------
+    InputError : a file that is missing, empty, too large or not text
+    """
+    raw = read_bytes(path, MAX_FILE_BYTES, what).rstrip(b"\x1a\0")
+    encoding = ""
+    if raw.startswith((b"\xff\xfe", b"\xfe\xff")):
+        encoding = "UTF-16"
+        raw = raw.decode("utf-16", "replace").encode()
+    if len(raw.translate(None, _CONTROL)) < len(raw):
+        kind = next((name for sign, name in _BINARY if raw.startswith(sign)), "")
+        hint = f"export it as text; give a {what} that holds numbers in lines"
+        raise InputError(Problem(f"not a text file{f', but {kind}' if kind else ''}", hint, shorten_path(path)))
+    try:
+        decoded = raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        encoding = "Latin-1"  # names of places in old files; every number is ASCII
+        decoded = raw.decode("latin-1")
+    lines = re.split(r"\r\n|\r|\n", decoded.replace("\u2212", "-"))
+    while lines and not lines[-1].strip():
+        lines.pop()
+    text = TextFile(path, lines, encoding)
+    if not lines:
+        raise text.refuse("the file is empty", f"give a {what} that holds numbers")
+    for number, line in enumerate(lines, 1):
+        if len(line) > MAX_LINE_LENGTH:
+            raise text.refuse(f"a line of {len(line)} characters", f"a line has at most {MAX_LINE_LENGTH}", number)
+    return text
