@@ -13,8 +13,9 @@ from pathlib import Path
 
 import numpy as np
 
+from pounding_cli.cells import TextFile, load_text
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.records.text import TextFile, load_text, parse_number
+from pounding_cli.records.instrument import parse_number
 from pounding_cli.records.units import find_acceleration_unit
 from pounding_cli.units import find_unit_factor
 
