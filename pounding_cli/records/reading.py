@@ -213,7 +213,7 @@ def _refuse_undeclared(text: TextFile, declared: Declaration) -> InputError:
         hints.append(f"{found.declared.unit} stands {found.why}")
     if UNKNOWN_STEP in line:
         hints.append(f"{UNKNOWN_STEP} is its time step, e.g. 0.01 s")
-    hints.append(f"`pound records import {text.path.name}` shows its columns")
+    hints.append("`pound records import` shows its columns")
     return text.refuse(message, "; ".join(hints), 1)
 
 
