@@ -81,7 +81,7 @@ def test_files_of_which_nothing_is_declared_get_one_refusal_with_the_line(motion
         pound(command, "[set/*.txt]")
     (problem,) = caught.value.problems
     assert "(and so it is with 23 more files)" in problem.message
-    line = '{file: set/*.txt, unit: g, time: 1, column: 2}'
+    line = "{file: set/*.txt, unit: g, time: 1, column: 2}"
     assert f"write {line}; " in problem.hint
     done = pound(command, f"[{line}]")
     assert f"{done.stdout}{done.stderr}".count("200 values of column 2") == 20

@@ -286,7 +286,7 @@ def test_a_workbook_is_refused_as_a_table(pound):
     Path("street.xlsx").write_bytes(b"PK\x03\x04" + bytes(100))
     code, _, err = pound("screen", "street.xlsx")
     assert code == 2
-    assert "export the table of neighbours as text, e.g. as CSV" in err
+    assert "export it as text; give a table of neighbours" in err
 
 
 def test_years_need_a_zone(pound):
