@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from pounding_cli.cli.options import FILE, output_option
-from pounding_cli.cli.solve import answer_question, prepare_solving, solving_options
+from pounding_cli.cli.solve import answer_question, prepare_solving, print_taken, solving_options
 from pounding_cli.errors import InputError, Problem
 
 MAX_WARNINGS = 10
@@ -22,7 +22,7 @@ MAX_WARNINGS = 10
     "--hazard",
     default="",
     metavar="CURVE",
-    help="Hazard curve of rows without one: a file, or e.g. '{0.1 g: 0.02, 0.4 g: 1/475}'.",
+    help="Hazard curve of rows without one, as a study has it: '{0.1 g: 0.02, 0.4 g: 1/475}', or a file.",
 )
 @click.option(
     "--return-period",
@@ -126,6 +126,7 @@ def screen(
             JsonLines().write_event("warning", text=warning)
         elif not how["quiet"]:
             click.echo(f"warning: {warning}", err=True)
+    print_taken(street.list_taken(), how["quiet"], JsonLines() if how["log_json"] else None)
     path = output or default_output(table, "screen")
     if not answer_question(Screen(street), path, **how):
         ctx.exit(1)

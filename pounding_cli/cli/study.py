@@ -13,6 +13,7 @@ import click
 from pounding_cli.cli.options import FILE, changes_argument, output_option, study_argument
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import count_histories, format_duration, pluralize, round_roughly
+from pounding_cli.texts import escape_controls
 
 if TYPE_CHECKING:
     from pounding_cli.api.standing import Standing
@@ -133,6 +134,8 @@ def check(study: Path, changes: tuple[Change, ...], output: Path | None) -> None
     rows = pluralize(math.prod(plan.shape), "row")
     click.echo(f"OK: {name}: {' x '.join(factors)} = {rows} of {count_histories(len(plan))}")
     click.echo("\n".join(_describe_plan(plan)))
+    for sentence in dict.fromkeys(sentence for each in questions for sentence in each.taken):
+        click.echo(escape_controls(sentence))
     click.echo("commands   (times on one core, by the rates of earlier runs on this computer)")
     for each in questions:
         line, *below = _describe_standing(each, output)

@@ -282,6 +282,24 @@ def test_accelerations_of_two_return_periods_go_on_below(tmp_path):
     assert street.find_warnings() == []
 
 
+def test_hazard_curves_of_files(tmp_path):
+    """Columns are declared in the cell, beside the table or by the option; what was taken of each file is said once."""
+    (tmp_path / "h.csv").write_text("0.05 0.02\n0.4 0.002\n")
+    (tmp_path / "sites").mkdir()
+    declared = "{file: h.csv, intensity: 1, unit: g, rate: 2}"
+    text = f'{NAMED}hazard\n{ONE},4,"{declared}"\n{ONE.replace("A,", "C,")},4,\n'
+    path = write_street(tmp_path / "sites", text)
+    (tmp_path / "sites" / "h.csv").write_text("0.05 0.01\n0.4 0.001\n")
+    street = read_street(path, replace(SETTINGS, hazard=declared.replace("h.csv", str(tmp_path / "h.csv"))))
+    assert [pair.hazard["file"] for pair in street.pairs] == ["h.csv", "../h.csv"]
+    near, far = street.list_taken()
+    assert "annual rates from 0.01 to 0.001" in near
+    assert "annual rates from 0.02 to 0.002" in far
+    street = read_street(path, replace(SETTINGS, hazard=str(tmp_path / "h.csv")))
+    with pytest.raises(pounding_cli.InputError, match="write `hazard: .file: h.csv, intensity: 1, unit: g, rate: 2.`"):
+        street.find_warnings()
+
+
 def test_a_workbook_is_refused_as_a_table(pound):
     Path("street.xlsx").write_bytes(b"PK\x03\x04" + bytes(100))
     code, _, err = pound("screen", "street.xlsx")

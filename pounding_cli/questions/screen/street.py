@@ -155,6 +155,13 @@ class Street:
             warnings[str(warning)] = warning
         return list(warnings.values())
 
+    def list_taken(self) -> list[str]:
+        """Return what was taken of each file of a hazard curve, a sentence each.  Raises InputError."""
+        from pounding_cli.questions.gap.question import Gap
+
+        pairs = {pair.hazard_key: pair for pair in self.pairs if isinstance(pair.hazard, str) or "file" in pair.hazard}
+        return list(dict.fromkeys(each for pair in pairs.values() for each in Gap(self.build_study(pair)).taken))
+
     def _warn_known_once(self) -> Iterator[Problem]:
         """Yield a warning of every building of two rows of which one alone has what was measured."""
         for pair, next_pair in pairwise(self.pairs):

@@ -55,6 +55,7 @@ HEADINGS = {
 }
 """Every heading that a table may have, and what stands below it; beside them `pga 475 [g]` and the like."""
 
+HAZARD_EXAMPLE = "an export of OpenQuake, or a file with its columns, `{file: h.csv, intensity: 1, unit: g, rate: 2}`"
 _REQUIRED = ("left type", "left storeys", "right type", "right storeys", "gap")
 _EXAMPLES = {"gap": "gap [cm]"}
 _HEADING = re.compile(r"(?P<name>[^\[(]*?)\s*(?:[\[(]\s*(?P<unit>[^\])]*?)\s*[\])])?\Z")
@@ -411,16 +412,20 @@ class _RowReader:
         return years
 
     def _parse_hazard(self, text: str, mark: Mark, folder: Path) -> Any:
-        """Return a hazard curve, as a study has it: a mapping, or a file beside the table."""
-        if text.lstrip().startswith("{"):
-            node = parse_value(text, str(mark[0]))
-            if isinstance(node, Map):
-                return mark_map(node, mark)
-        file = folder / text
+        """Return a hazard curve, as a study has it: a mapping, or a file beside the table.
+
+        folder : from which files are named
+        """
+        is_mapping = text.lstrip().startswith("{")
+        node = parse_value(text, str(mark[0])) if is_mapping else {"file": text}
+        if "file" not in node:
+            return mark_map(node, mark)
+        file = folder / str(node["file"])
         if not file.is_file():
-            hint = "give a CSV file of intensity and annual rate, or e.g. `{0.1 g: 0.02, 0.4 g: 1/475}`"
-            self.problems.add(mark, f"there is no hazard curve {text[:80]}", hint)
+            hint = f"name {HAZARD_EXAMPLE}, or write e.g. `{{0.1 g: 0.02, 0.4 g: 1/475}}`"
+            self.problems.add(mark, f"there is no hazard curve {str(file)[:80]}", hint)
         try:
-            return Path(os.path.relpath(file, self.path.parent)).as_posix()
+            written = Path(os.path.relpath(file, self.path.parent)).as_posix()
         except ValueError:  # another drive
-            return str(file.resolve())
+            written = str(file.resolve())
+        return mark_map(node | {"file": written}, mark) if is_mapping else written
