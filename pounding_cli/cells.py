@@ -10,11 +10,13 @@ from __future__ import annotations
 import csv
 import math
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
-from typing import NamedTuple
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -44,11 +46,29 @@ _BINARY = (
 )  # fmt: skip
 # How files that hold no text begin.
 _EXPONENT = r"(?:[EeDd][-+]?\d+)?"
-_FORTRAN = re.compile(r"\(?\s*(\d{0,3})\s*[FEDGI]\s*([1-9]\d?)(?:\.\d{1,2})?\s*\)?\Z", re.IGNORECASE)
+_FORTRAN = re.compile(r"\(?\s*(\d{0,3})\s*[FEDGI]\s*([1-9]\d?)(?:\.(\d{1,2}))?\s*\)?\Z", re.IGNORECASE)
 _TOUCHING = re.compile(r"[-+]?(?:\d+\.\d*|\.\d+)(?:[EeDd][-+]?\d+)?(?:[-+](?:\d+\.\d*|\.\d+)(?:[EeDd][-+]?\d+)?)+\Z")
 _WITH_UNIT = re.compile(r"([-+]?(?:\d+[.,]?\d*|[.,]\d+))\s*([A-Za-z%°][\w/^²%*]*)\Z")
-_WITH_COMMA = re.compile(r"[-+]?\d*,\d+(?:[EeDd][-+]?\d+)?\Z")
-_WITH_THOUSANDS = re.compile(r"[-+]?\d{1,3}(?P<sign>[,.' \u00a0\u202f])\d{3}(?:(?P=sign)\d{3})*(?:[.,]\d*)?\Z")
+_WITH_THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(?P<sign>[,.' \u00a0\u202f])\d{3}(?:(?P=sign)\d{3})*(?:[.,]\d*)?\Z")
+
+
+class CurableError(InputError):
+    """The refusal of a file that another declaration cures.
+
+    cure : keys of a declaration, and their values
+    """
+
+    def __init__(self, problem: Problem, cure: Mapping[str, Any]) -> None:
+        super().__init__(problem)
+        self.cure = cure
+
+
+class Fault(NamedTuple):
+    """What is wrong with a cell, what settles it, and the keys of a declaration that do; {} for none."""
+
+    message: str
+    hint: str
+    cure: Mapping[str, Any] = MappingProxyType({})
 
 
 class Row(NamedTuple):
@@ -77,6 +97,12 @@ class TextFile:
         line = min(line, len(self.lines))
         return InputError(Problem(message, hint, shorten_path(self.path), line, column if line else 0))
 
+    def refuse_curable(
+        self, message: str, hint: str, cure: Mapping[str, Any], line: int, column: int = 1
+    ) -> CurableError:
+        """Return the refusal at a place of this file that keys of a declaration cure."""
+        return CurableError(Problem(message, hint, shorten_path(self.path), line, column), cure)
+
 
 @dataclass(frozen=True)
 class Grammar:
@@ -86,12 +112,14 @@ class Grammar:
     decimal : "." or ","
     thousands : sign between groups of three digits; "" for none
     widths : characters of each cell in the fixed columns of a Fortran format; () where a separator parts them
+    has_points : every cell must have its decimal sign, as Fortran counts decimals from the right of one without
     """
 
     separator: str = BLANKS
     decimal: str = "."
     thousands: str = ""
     widths: tuple[int, ...] = ()
+    has_points: bool = False
 
     def split(self, line: str) -> list[str]:
         """Return the cells of a line; quotes hold a cell together, and a separator at the end begins no other."""
@@ -136,13 +164,13 @@ class Grammar:
     def _pattern(self) -> re.Pattern[str]:
         digits = r"\d+"
         if self.thousands:
-            digits = rf"(?:\d{{1,3}}(?:{re.escape(self.thousands)}\d{{3}})+|\d+)"
+            digits = rf"(?:[1-9]\d{{0,2}}(?:{re.escape(self.thousands)}\d{{3}})+|\d+)"
         decimal = re.escape(self.decimal)
         return re.compile(rf"[-+]?(?:{digits}(?:{decimal}\d*)?|{decimal}\d+){_EXPONENT}\Z", re.ASCII)
 
     def parse(self, cell: str) -> float | None:
         """Return the finite number of a cell, 1.0D-03 too; None where it is none.  Zero has no sign."""
-        if not self._pattern.match(cell):
+        if not self._pattern.match(cell) or (self.has_points and self.decimal not in cell):
             return None
         plain = cell.replace(self.thousands, "") if self.thousands else cell
         value = float(plain.replace(self.decimal, ".").replace("D", "E").replace("d", "e")) + 0.0
@@ -161,7 +189,8 @@ class Grammar:
         InputError : a cell is no number, at its line and column
         """
         cells = [cell for row in rows for cell in row.cells]
-        if not self.thousands and not re.search(rf"[^\d{self.decimal}EeDd+\-\n]", "\n".join(cells), re.ASCII):
+        is_simple = not self.thousands and not self.has_points
+        if is_simple and not re.search(rf"[^\d{self.decimal}EeDd+\-\n]", "\n".join(cells), re.ASCII):
             plain = [cell.replace(self.decimal, ".").replace("D", "E").replace("d", "e") for cell in cells]
             try:
                 values = np.array(plain, dtype=float) + 0.0  # zero has no sign
@@ -180,42 +209,66 @@ class Grammar:
 
     def refuse_cell(self, text: TextFile, row: Row, place: int) -> InputError:
         """Return the refusal of a cell that is no number; place : of it in its row, from 0."""
-        message, hint = self.describe_fault(row.cells[place])
-        return text.refuse(message, hint, row.line, self.find_column(text.lines[row.line - 1], place))
+        line = text.lines[row.line - 1]
+        fault = self.describe_fault(row.cells[place])
+        column = self.find_column(line, place)
+        if touches(row.cells[place]) and (form := guess_fortran(line)):
+            hint = f"write `format: {form}` for the columns in which they are printed"
+            return text.refuse_curable(fault.message, hint, {"format": form}, row.line, column)
+        if fault.cure:
+            return text.refuse_curable(fault.message, fault.hint, fault.cure, row.line, column)
+        return text.refuse(fault.message, fault.hint, row.line, column)
 
-    def describe_fault(self, cell: str) -> tuple[str, str]:
-        """Return what is wrong with a cell that is no number, and what settles it."""
+    def describe_fault(self, cell: str) -> Fault:
+        """Return what is wrong with a cell that is no number."""
         shown = f"'{cell[:40]}' is not a number"
         if not cell:
-            return "a cell is empty", "write the number that belongs there; a record is cut before a gap"
-        if set(cell) <= set("*"):
-            return f"'{cell[:40]}' is a number that was too wide for its field", "its value is lost: get the file again"
-        if cell.lower().lstrip("+-") in ("nan", "inf", "infinity", "na", "n/a", "null", "-"):
-            return f"'{cell[:40]}' is not a finite number", "write the number that belongs there; cut before a gap"
-        if _TOUCHING.match(cell):
-            return f"in '{cell[:40]}' numbers touch", "declare the columns that they are printed in, `format: 8F9.6`"
-        if hint := self._suggest_signs(cell):
-            return shown, hint
+            return Fault("a cell is empty", "write the number that belongs there; a record is cut before a gap")
+        if len(cell) > 1 and set(cell) == {"*"}:
+            return Fault(f"'{cell[:40]}' is a number too wide for its field", "its value is lost: get the file again")
+        if cell.lower().lstrip("+-") in ("nan", "inf", "infinity", "na", "n/a", "null", ""):
+            hint = "write the number that belongs there; a record is cut before a gap"
+            return Fault(f"'{cell[:40]}' is not a finite number", hint)
+        if touches(cell):
+            hint = "declare the columns that they are printed in, `format: 8F9.6`"
+            return Fault(f"in '{cell[:40]}' numbers touch", hint)
+        if self.has_points and cell.isdigit():
+            hint = "write `format: 8I9` and a unit such as `1e-6 g` where the decimal point is left out"
+            return Fault(f"'{cell[:40]}' has no decimal point", hint)
+        if cures := self._find_cures(cell):
+            ways = [f"`{_write_keys(cure)}` if it is {value:.10g}" for value, cure in cures.items()]
+            return Fault(shown, f"write {', or '.join(ways)}", next(iter(cures.values())))
         if match := _WITH_UNIT.match(cell):
-            return f"'{cell[:40]}' has a unit in its cell", f"write {match[1]} there, and its unit beside `file:`"
-        return shown, "write plain numbers, one a cell"
+            hint = f"write {match[1]} there, and its unit beside `file:`"
+            return Fault(f"'{cell[:40]}' has a unit in its cell", hint)
+        return Fault(shown, "write plain numbers, one a cell")
 
-    def _suggest_signs(self, cell: str) -> str:
-        """Return the keys that make a number of a cell with another decimal sign or thousands; "" for none."""
-        hints = []
+    def _find_cures(self, cell: str) -> dict[float, Mapping[str, Any]]:
+        """Return the signs that make a number of a cell, by the number; those of thousands come first."""
+        found: dict[float, Mapping[str, Any]] = {}
         thousands = _WITH_THOUSANDS.match(cell)
-        if thousands is not None and thousands["sign"] != self.decimal and not self.thousands:
-            declared = Grammar(self.separator, self.decimal, thousands["sign"])
-            value = declared.parse(cell)
+        other = "," if self.decimal == "." else "."
+        signs: list[Mapping[str, Any]] = [{"decimal": other}]
+        if thousands is not None and not self.thousands:
+            sign = thousands["sign"]
+            signs = [{"thousands": sign}, {"decimal": other, "thousands": sign}, *signs]
+        for each in signs:
+            if self.separator in each.values() or each.get("decimal", self.decimal) == each.get("thousands"):
+                continue
+            value = replace(self, **each).parse(cell)
             if value is not None:
-                hints.append(f"""`thousands: "{thousands["sign"]}"` if it is {value:.10g}""")
-        other = Grammar(self.separator, "," if self.decimal == "." else ".")
-        value = other.parse(cell)
-        if value is not None and self.separator != other.decimal:
-            hints.append(f"""`decimal: "{other.decimal}"` if it is {value:.10g}""")
-        if not hints and _WITH_COMMA.match(cell):
-            return """write `decimal: ","`, and `separator:` for what parts the cells"""
-        return f"write {', or '.join(hints)}" if hints else ""
+                found.setdefault(value, each)
+        return found
+
+
+def touches(cell: str) -> bool:
+    """Return whether a cell is several numbers without a blank between them, as in full columns of a Fortran format."""
+    return _TOUCHING.match(cell) is not None
+
+
+def _write_keys(signs: Mapping[str, str]) -> str:
+    """Return keys of a declaration with their signs in quotes."""
+    return ", ".join(f'{key}: "{sign}"' for key, sign in signs.items())
 
 
 def choose_separator(line: str, decimal: str = ".") -> str:
@@ -223,8 +276,8 @@ def choose_separator(line: str, decimal: str = ".") -> str:
     return next(sign for sign in SEPARATORS if sign == BLANKS or (sign in line and sign != decimal))
 
 
-def parse_fortran(written: str) -> tuple[int, ...]:
-    """Return the widths of the cells on a line in a Fortran format such as `8F9.6`, `(8F10.5)` or `5E15.7`.
+def parse_fortran(written: str, decimal: str = ".") -> Grammar:
+    """Return the grammar of a Fortran format of a line, such as `8F9.6`, `(8F10.5)`, `5E15.7` or `10I8`.
 
     Raises
     ------
@@ -234,7 +287,20 @@ def parse_fortran(written: str) -> tuple[int, ...]:
     count = int(match[1] or 1) if match else 0
     if match is None or count == 0:
         raise ValueError(written)
-    return (int(match[2]),) * count
+    return Grammar(BLANKS, decimal, "", (int(match[2]),) * count, int(match[3] or 0) > 0)
+
+
+def guess_fortran(line: str) -> str:
+    """Return the Fortran format, 8F9.6, of a line of numbers with even decimal points; "" for none."""
+    points = [offset for offset, sign in enumerate(line) if sign == "."]
+    distances = {second - first for first, second in pairwise(points)}
+    if len(distances) != 1:
+        return ""
+    width = distances.pop()
+    decimals = re.match(r"\d+(?:[EeDd][-+]?\d+)?", line[points[0] + 1 :])
+    if decimals is None or points[0] + 1 + len(decimals[0]) > width:
+        return ""
+    return f"{len(points)}F{width}.{len(decimals[0])}"
 
 
 def load_text(path: Path, what: str) -> TextFile:
@@ -246,11 +312,12 @@ def load_text(path: Path, what: str) -> TextFile:
     ------
     InputError : a file that is missing, empty, too large or not text
     """
-    raw = read_bytes(path, MAX_FILE_BYTES, what).rstrip(b"\x1a\0")
+    raw = read_bytes(path, MAX_FILE_BYTES, what)
     encoding = ""
     if raw.startswith((b"\xff\xfe", b"\xfe\xff")):
         encoding = "UTF-16"
         raw = raw.decode("utf-16", "replace").encode()
+    raw = raw.rstrip(b"\x1a")  # the end of a file of DOS
     if len(raw.translate(None, _CONTROL)) < len(raw):
         kind = next((name for sign, name in _BINARY if raw.startswith(sign)), "")
         hint = f"export it as text; give a {what} that holds numbers in lines"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -53,6 +53,7 @@ def motion(
     duration: float | str = "whole",
     scale: float = 1.0,
     pga: float | str | None = None,
+    **declared: Any,
 ) -> Motion:
     """A ground motion from an array, a file or the catalogue.
 
@@ -60,18 +61,28 @@ def motion(
     ----------
     source : accelerations, shape (n,), n >= 2; or the path of a file; or a name that `pound records list` shows; or a
         motion of a set, "far-field/KOBE-NIS000"
-    dt : time step [s]; needed for an array, and for a file of one column that does not say it
-    unit : of the accelerations: m/s2 for an array and what a file says, unless given
+    dt : time step [s]; needed for an array, and for a plain file without times
+    unit : of the accelerations: m/s2 for an array unless given; a plain file needs it
     name : what tables and figures call it; "motion", the file's stem or the catalogue's name unless given
     duration : how much of it is used [s]; "whole" for all
     scale : factor on it [-]
     pga : peak it is scaled to instead [m/s2]
+    declared : the other keys of a file in a study: `time`, `column`, `skip`, `rows`, `separator`, `decimal`,
+        `thousands`, `format`, `channel`, `baseline` (`records.Declaration`)
 
     Raises
     ------
     InputError : no such motion, a file that cannot be read, a missing time step, an unknown unit
     """
-    record = _named_or_read(source, dt, unit) if isinstance(source, str | Path) else _from_array(source, dt, unit)
+    known = [field.name for field in fields(records.Declaration)]
+    unknown = next((key for key in declared if key not in known), None)
+    if unknown is not None:
+        raise InputError(Problem(f"unknown key '{unknown}' of a motion file", f"write one of {', '.join(known)}"))
+    if isinstance(source, str | Path):
+        step = None if dt is None else quantity(TIME, dt, "dt")
+        record = _named_or_read(source, records.Declaration(dt=step, unit=unit, **declared))
+    else:
+        record = _from_array(source, dt, unit)
     record = record if not name else replace(record, name=name)
     if duration != "whole":
         record = record.cut_to(quantity(TIME, duration, "duration"))
@@ -162,18 +173,17 @@ def _from_array(values: Any, dt: float | str | None, unit: str | None) -> Motion
         raise InputError(Problem(str(error), "give accelerations in equal steps of time, shape (n,)")) from None
 
 
-def _named_or_read(source: str | Path, dt: float | str | None, unit: str | None) -> Motion:
+def _named_or_read(source: str | Path, declared: records.Declaration) -> Motion:
     word = str(source)
     is_of_set = isinstance(source, str) and records.find_set_name(word) is not None and not os.path.exists(word)
     if is_of_set or (isinstance(source, str) and word in records.list_names()):
-        if dt is not None or unit is not None:
+        if given := declared.list_given():
             kind = "motion of a set" if is_of_set else "catalogue motion"
             message = f"'{word}' is a {kind}; its time step and unit are fixed"
-            raise InputError(Problem(message, "leave 'dt' and 'unit' out"))
+            raise InputError(Problem(message, f"leave {' and '.join(map(repr, given))} out"))
         if is_of_set:
             return records.read_set_motion(records.get_set_motion(word))
         return records.load_motion(word)
     if isinstance(source, str) and not (Path(word).suffix or os.path.exists(word) or set("/\\") & set(word)):
         records.get_entry(word, records.MOTION_SETS)  # refuses it, with the nearest name
-    step = None if dt is None else quantity(TIME, dt, "dt")
-    return records.read_file(Path(word).expanduser(), dt=step, unit=unit).motion
+    return records.read_file(Path(word).expanduser(), declared).motion

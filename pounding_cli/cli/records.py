@@ -15,6 +15,7 @@ from pounding_cli.cli.options import seconds, together
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import pluralize
 from pounding_cli.outputs import check_output
+from pounding_cli.texts import escape_controls
 
 SHOWN_PERIODS = (0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.36, 0.4, 0.5, 0.6, 0.75, 1.0, 1.25, 1.5, 2.0, 3.0, 4.0)
 """Periods [s] of the spectrum table; 0.36 and 0.60 s are the buildings of the paper."""
@@ -31,13 +32,20 @@ def records() -> None:
 
 
 reading_options = together(
-    click.option("--unit", metavar="UNIT", help="Unit of the acceleration, e.g. cm/s2, if the file does not state it."),
-    click.option("--dt", type=seconds, metavar="TIME", help="Time step, 0.01 s, if the file does not state it."),
-    click.option("--channel", type=int, metavar="N", help="Channel of a file with several channels."),
-    click.option("--column", type=int, metavar="N", help="Column of a table that has the acceleration."),
-    click.option("--format", type=click.Choice(motions.MOTION_FORMATS), help="File format, if it is not detected."),
+    click.option("--unit", metavar="UNIT", help="Unit of the acceleration, e.g. cm/s2; a plain file needs it."),
+    click.option("--time", type=int, metavar="N", help="Column of the times, from 1; a plain file needs it or --dt."),
+    click.option("--dt", type=seconds, metavar="TIME", help="Time step of a plain file without times, e.g. 0.01 s."),
+    click.option("--column", type=int, metavar="N", help="Column of the acceleration; default: every value."),
+    click.option("--skip", type=int, metavar="N", help="Lines above the numbers; default: those that hold words."),
+    click.option("--rows", type=int, metavar="N", help="Rows of numbers that are read; default: all."),
+    click.option("--separator", metavar="SIGN", help='What parts the cells: ",", ";", tab or blank.'),
+    click.option("--decimal", metavar="SIGN", help="Decimal sign; default: a point."),
+    click.option("--thousands", metavar="SIGN", help="Sign between thousands; default: none."),
+    click.option("--format", metavar="NAME", help=f"{', '.join(motions.MOTION_FORMATS)}, or rows in Fortran's 8F9.6."),
+    click.option("--channel", type=int, metavar="N", help="Channel of an instrument's file with several."),
+    click.option("--baseline", type=click.Choice(motions.BASELINES), help="mean: the mean is taken away."),
 )
-"""Options that say how a file is read."""
+"""Options that say how a file is read, as the keys of a study do."""
 
 
 @records.command("list")
@@ -133,12 +141,12 @@ def show(motion: str, window: float | None, output: Path | None, **options: Any)
         read_as = None
         window = window or known.duration
     else:
-        reading = motions.read_file(motion, **options)
-        _warn_about_step(reading)
+        reading = motions.read_file(motion, motions.Declaration(**options))
+        _tell_taken(reading)
         found = reading.motion
         title = Path(motion).name
         place = motion
-        read_as = f"{reading.format}, {reading.words}"
+        read_as = reading.format
     if window is not None:
         found = found.cut_to(window)
         if found.pga == 0.0:
@@ -155,37 +163,78 @@ def show(motion: str, window: float | None, output: Path | None, **options: Any)
 
 @records.command("import")
 @click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
-@click.option("--as", "name", required=True, metavar="NAME", help="Name in the catalogue.")
+@click.option("--as", "name", metavar="NAME", help="Name in the catalogue.")
 @click.option("--force", is_flag=True, help="Replace an imported motion of this name.")
 @reading_options
-def import_(file: Path, name: str, force: bool, **options: Any) -> None:
-    """Copy a real motion into your own folder, so that every study uses it instead of the stand-in, and tell what the
-    catalogue knows of it.
+def import_(file: Path, name: str | None, force: bool, **options: Any) -> None:
+    """Propose how a plain FILE may be declared in a study: its columns with their peaks, and the line to paste.
+
+    With --as, copy a real motion into your own folder, so that every study uses it instead of the stand-in, and tell
+    what the catalogue knows of it.
 
     \b
     Example:
+      pound records import motions/kobe.csv
       pound records import taft111.AT2 --as taft
     """
+    declared = motions.Declaration(**options)
+    if name is None:
+        _propose(file, declared)
+        return
     known = motions.get_entry(name)
     target = motions.user_folder() / f"{name}.txt"
-    reading = motions.read_file(file, name=name, source="real", **options)
-    _warn_about_step(reading)
+    reading = motions.read_file(file, declared, name=name, source="real")
+    _tell_taken(reading)
     motion = reading.motion
     if target.exists() and not force:
         hint = "use --force to replace it, or delete that file"
         raise InputError(Problem(f"'{name}' was imported before", hint, str(target)))
     motions.save_motion(name, motion, file)
     click.echo(f"imported: {file} as {name} ({known.title}) -> {target}")
-    click.echo(f"{motion.acceleration.size} samples at {motion.dt:g} s, read {reading.words}")
     click.echo("\n".join(f"  {line}" for line in known.compare(motion)))
     if (used := motions.locate_motion(name)[0]) != target:
         click.echo(f"Note: POUND_RECORDS comes first, so studies still use {used}.")
 
 
-def _warn_about_step(reading: motions.Reading) -> None:
-    """Tell of a time step that is unlikely, or not the header's."""
+def _tell_taken(reading: motions.Reading) -> None:
+    """Tell what was taken of a file, and what is doubtful about it."""
     for doubt in reading.doubts:
         click.echo(f"warning: {doubt.message}\n    {doubt.hint}", err=True)
+    click.echo(escape_controls("\n  ".join(reading.lines)))
+
+
+def _propose(file: Path, declared: motions.Declaration) -> None:
+    """Print what may be declared of a plain file; of one that can be read, what is taken."""
+    try:
+        reading = motions.read_file(file, declared)
+    except InputError as refused:
+        try:
+            proposal = motions.propose_file(file, declared)
+        except InputError:
+            raise refused from None
+        if proposal.declared == declared:
+            raise
+        _print_proposal(file, proposal)
+        return
+    _tell_taken(reading)
+    click.echo(f"For a study: {declared.write(str(file))}; for the catalogue: add --as NAME")
+
+
+def _print_proposal(file: Path, proposal: motions.Proposal) -> None:
+    """Print the columns of a file with their peaks in the usual units, and the line to paste."""
+    head = ("column", "begins", "rises by", "peak", *(f"as {unit}" for unit in motions.USUAL_UNITS))
+    rows = []
+    for column in proposal.columns:
+        step = "" if column.step is None else f"{column.step:g}"
+        peaks = ("",) * len(motions.USUAL_UNITS) if column.name == str(proposal.declared.time) else column.list_peaks()
+        rows.append((column.name, " ".join(column.first), step, f"{column.peak:g}", *peaks))
+    click.echo(f"{file} is of no instrument's format. Its rows of numbers:\n")
+    _table(head, [tuple(map(escape_controls, row)) for row in rows])
+    if proposal.fault:
+        click.echo(f"\n{escape_controls(proposal.fault)}")
+    click.echo("\nA proposal: check it, and paste it into `use:` of a study")
+    click.echo(f"  - {escape_controls(proposal.declared.write(str(file)))}")
+    click.echo(f"unit: {escape_controls(f'{proposal.declared.unit}, {proposal.why}')}")
 
 
 def _print_measures(motion: motions.Motion, title: str, place: str, read_as: str | None) -> None:

@@ -20,6 +20,7 @@ from pounding_cli.cli.options import (
     study_argument,
     together,
 )
+from pounding_cli.cli.taken import describe_taken_files
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import format_duration, pluralize
 from pounding_cli.questions import TITLES
@@ -125,6 +126,11 @@ def solve_study(
             log.write_event("warning", text=str(warning))
         elif not quiet:
             click.echo(f"warning: {warning}", err=True)
+    for line in describe_taken_files(loaded):
+        if log:
+            log.write_event("motion", text=line)
+        elif not quiet:
+            click.echo(line, err=True)
     asked = ask_question(name, loaded)
     print_taken(asked.taken, quiet, log)
     if write is not None:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pounding_cli.cli.options import FILE, changes_argument, output_option, study_argument
+from pounding_cli.cli.taken import describe_taken_files
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import count_histories, format_duration, pluralize, round_roughly
 from pounding_cli.texts import escape_controls
@@ -134,6 +135,8 @@ def check(study: Path, changes: tuple[Change, ...], output: Path | None) -> None
     rows = pluralize(math.prod(plan.shape), "row")
     click.echo(f"OK: {name}: {' x '.join(factors)} = {rows} of {count_histories(len(plan))}")
     click.echo("\n".join(_describe_plan(plan)))
+    for line in describe_taken_files(read):
+        click.echo(line)
     for sentence in dict.fromkeys(sentence for each in questions for sentence in each.taken):
         click.echo(escape_controls(sentence))
     click.echo("commands   (times on one core, by the rates of earlier runs on this computer)")

@@ -67,6 +67,9 @@ class HazardFile(Model):
     skip: Annotated[int, WholeNumber(0, 1_000_000)] | None = spec_field(
         None, "lines above the numbers; default: those that hold words"
     )
+    rows: Annotated[int, WholeNumber(0, 1_000_000)] | None = spec_field(
+        None, "rows of numbers that are read; default: all"
+    )
     separator: Literal[",", ";", "tab", "blank"] | None = spec_field(
         None, "what parts the cells; default: as the first row of numbers shows"
     )

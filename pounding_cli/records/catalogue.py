@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from pounding_cli.errors import InputError, Problem
+from pounding_cli.records.declaration import Declaration
 from pounding_cli.records.motion import GRAVITY, Motion, arias
 from pounding_cli.records.reading import read_file
 
@@ -151,7 +152,7 @@ def load_motion(name: str) -> Motion:
     Raises `InputError` for an unknown name (with the nearest) or a file that cannot be read.
     """
     path, source, options = locate_motion(name)
-    return read_file(path, name=name, source=source, **options).motion
+    return read_file(path, Declaration(**options), name=name, source=source).motion
 
 
 def save_motion(name: str, motion: Motion, origin: Path) -> Path:

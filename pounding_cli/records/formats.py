@@ -1,4 +1,4 @@
-"""The file formats of the strong-motion networks, one function each, and those that are recognised but not read.
+"""The file formats of the strong-motion networks, one function each, read strictly by their specifications.
 
 Each returns the samples of a file, or None of another format, and raises `InputError` for a file of its format that is
 damaged, holds no acceleration, or several channels and none was named.
@@ -7,11 +7,14 @@ damaged, holds no acceleration, or several channels and none was named.
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
+
+import numpy as np
 
 from pounding_cli.numbers import pluralize
-from pounding_cli.records.headings import find_steps
-from pounding_cli.records.text import Samples, TextFile, is_numeric, parse_number
-from pounding_cli.records.units import find_units, identify_unit, normalize
+from pounding_cli.records.declaration import BASELINES
+from pounding_cli.records.instrument import InstrumentFile, is_numeric, parse_number
+from pounding_cli.records.samples import Samples
 
 _COSMOS = re.compile(r"(?i)\( ?format v ?[\d.]+(?: with (\d{1,3}) text lines)?")
 _COSMOS_LABEL = r"sta chan? ?:? ?(.*?) ?(?:\(|location|\Z)"
@@ -24,36 +27,57 @@ _CSMIP_DATA = re.compile(r"(?i)\A(\d{1,9}) points of (?:\w+ )?(accel|veloc|displ
 _SMC = re.compile(r"\s*\d\s+((?:UN)?CORRECTED ACCELEROGRAM|VELOCITY|DISPLACEMENT|RESPONSE|FOURIER)")
 
 
-def read_at2(text: TextFile) -> Samples | None:
-    """PEER NGA: one component; count and time step on the fourth line (older files: `5437 0.0100 NPTS, DT`).
+def read_at2(text: InstrumentFile) -> Samples | None:
+    """PEER NGA: one component; the quantity and its unit on the third line, count and time step on the fourth (older
+    files: `5437 0.0100 NPTS, DT`), then the values, row by row.
 
     Chiou, Darragh, Gregor and Silva (2008), NGA project strong-motion database, Earthquake Spectra 24(1), 23-44.
     """
-    size, line = text.search(r"NPTS ?=? ?(\d{1,9}) ?,? ?DT ?=? ?([-+.\dE]+)", range(8))
+    third, fourth = text.first + 2, text.first + 3
+    size, line = text.search(r"^NPTS ?= ?(\d{1,9}) ?, ?DT ?= ?([-+.\dE]+)", range(fourth, fourth + 1))
     if size is None:
-        size, line = text.search(r"^(\d{1,9}) ([-+.\dE]+) NPTS", range(8))
-    if size is None:
+        size, line = text.search(r"^(\d{1,9}) ([-+.\dE]+) NPTS, ?DT", range(fourth, fourth + 1))
+    kind = r"^(acceleration|velocity|displacement)\b.*in units? of ([^\s,;]+)"
+    quantity, unit_line = text.search(kind, range(third, third + 1))
+    if size is None or quantity is None:
         return None
-    following = next((words for words in text.lines[line:] if words.strip()), "")
-    if not is_numeric(following):
-        return None
-    rows = text.rows(line)
-    if len(rows) == int(size[1]) != sum(map(len, rows.values())):
-        return None  # a header in PEER's words over a table, which is read by its columns
-    other, place = text.search("(velocity|displacement) time (?:series|history)", range(line - 1))
-    if other:
-        raise text.refuse_quantity(other[1].lower(), place)
-    unit, unit_line = text.search(r"in units? of ([^\s,;]+)", range(line - 1))
+    if quantity[1].lower() != "acceleration":
+        raise text.refuse_quantity(quantity[1].lower(), unit_line)
     step = text.step(size[2], line)
     values, start = text.values(line)
     text.check_count(size[1], len(values), line)
-    if unit is not None:
-        return Samples(step, values, start, unit[1], unit_line)
-    stated = [(each, index + 1) for index in range(line) for each in find_units(text.words(index))]
-    return Samples(step, values, start, *(stated[0] if stated else (None, 0)))
+    return Samples(step, values, quantity[2], start, unit_line=unit_line)
 
 
-def read_knet(text: TextFile) -> Samples | None:
+def read_pound(text: InstrumentFile) -> Samples | None:
+    """The program's own: comments `# unit: m/s2`, `# dt: 0.01 s` and others above, then one value a line.
+
+    `# samples:`, where it stands, must be their number; `# name:` and `# baseline:` are those of the study.
+    """
+    header = dict[str, tuple[str, int]]()
+    end = text.first
+    while match := re.match(r"#\s*([a-z][a-z -]*):(.*)\Z", text.line(end)):
+        header.setdefault(match[1], (match[2].strip(), end + 1))
+        end += 1
+    if not {"unit", "dt"} <= header.keys():
+        return None
+    written, line = header["dt"]
+    step = text.step(written.removesuffix("s").strip(), line)
+    rows = text.rows(end)
+    wide = next((row for row in rows if len(row.cells) != 1), None)
+    if wide is not None:
+        raise text.refuse_damaged(f"{pluralize(len(wide.cells), 'value')} on a line, where one should stand", wide.line)
+    values, start = text.values(end)
+    if "samples" in header:
+        text.check_count(header["samples"][0], len(values), header["samples"][1], "samples")
+    name, _ = header.get("name", ("", 0))
+    baseline, baseline_line = header.get("baseline", ("", 0))
+    if baseline not in ("", *BASELINES):
+        raise text.refuse(f"unknown baseline '{baseline}'", f"write {' or '.join(BASELINES)}", baseline_line)
+    return Samples(step, values, header["unit"][0], start, name=name, baseline=baseline)
+
+
+def read_knet(text: InstrumentFile) -> Samples | None:
     """K-NET and KiK-net: seventeen lines `key value`, then counts with the scale that makes them gal.
 
     The counts carry the recorder's offset; as in the file's own `Max. Acc. (gal)`, the acceleration is what remains
@@ -67,18 +91,16 @@ def read_knet(text: TextFile) -> Samples | None:
     rate, line = text.find(r"^Sampling Freq\S* ([1-9][\d.]*)", header, "Sampling Freq(Hz), e.g. 100Hz")
     step = text.step(1.0 / float(rate[1]), line)
     scale = r"^Scale Factor ([\d.]+) ?\( ?gal ?\) ?/ ?([1-9][\d.]*)"
-    gal, scale_line = text.find(scale, header, "Scale Factor, e.g. 3920(gal)/6182761: its counts have no unit")
+    gal, _ = text.find(scale, header, "Scale Factor, e.g. 3920(gal)/6182761: its counts have no unit")
     counts, start = text.values(header.stop)
     duration, line = text.find(r"^Duration Time\S* (\d[\d.]*)", header, "Duration Time(s), e.g. 60")
     text.check_count(f"{float(duration[1]) * float(rate[1]):.0f}", len(counts), line, "duration x frequency")
-    mean = sum(counts) / len(counts)
-    count_size = float(gal[1]) / float(gal[2])
-    values = [(each - mean) * count_size for each in counts]
+    values = (counts - counts.mean()) * (float(gal[1]) / float(gal[2]))
     _check_peak(text, values, r"^Max\. Acc\S*(?: \(gal\))? (\S+)", header, "gal")
-    return Samples(step, values, start, "gal", scale_line)
+    return Samples(step, values, "gal", start)
 
 
-def read_esm(text: TextFile) -> Samples | None:
+def read_esm(text: InstrumentFile) -> Samples | None:
     """ESM and ITACA: the DYNA file, lines `KEY: value` (64 in DYNA 1.2), then one value a line.
 
     Luzi et al. (2016), The Engineering Strong-Motion Database, Seismological Research Letters 87(4), 987-997.
@@ -100,10 +122,10 @@ def read_esm(text: TextFile) -> Samples | None:
     text.check_count(count, len(values), count_line, "NDATA")
     if unit.startswith("cm"):
         _check_peak(text, values, r"^PGA_CM/S\^2: ?(\S+)", range(first, end), "cm/s2")
-    return Samples(step, values, start, unit, unit_line)
+    return Samples(step, values, unit, start, unit_line=unit_line)
 
 
-def read_smc(text: TextFile) -> Samples | None:
+def read_smc(text: InstrumentFile) -> Samples | None:
     """SMC of the USGS: 11 lines of text, 48 integers (8I10), 50 reals (5E15.7), comments, samples in cm/s2.
 
     National Strong-Motion Program, https://escweb.wr.usgs.gov/nsmp-data/smcfmt.html.
@@ -128,10 +150,10 @@ def read_smc(text: TextFile) -> Samples | None:
     if not (0 <= comments < len(text.lines) and 0 < count < 10**9):
         raise text.refuse_damaged(f"the header says {comments} comments and {count} samples", place + 2)
     values, _ = text.read_fixed_width(start + comments, count, "(8F10)", last=True)
-    return Samples(step, values, start + comments + 1, "cm/s2")
+    return Samples(step, np.array(values), "cm/s2", start + comments + 1)
 
 
-def read_cosmos(text: TextFile) -> Samples | None:
+def read_cosmos(text: InstrumentFile) -> Samples | None:
     """COSMOS V1 and V2: for every channel text, integers, reals, comments and samples, each with its own size.
 
     Consortium of Organizations for Strong-Motion Observation Systems (2001), COSMOS Strong Motion Data Format, 1.20.
@@ -146,7 +168,7 @@ def read_cosmos(text: TextFile) -> Samples | None:
             words = range(index, index + int(begins[1] or 13))
             label, _ = text.search(_COSMOS_LABEL, words)
             index, step, data = _cosmos_header(text, words.stop)
-            if identify_unit(data[2])[0] == "acceleration":
+            if data[2].lower().startswith("acc"):
                 channels[index] = (label[1] if label else "") or "unnamed", step, data
             else:
                 others.append((data[2].lower(), index))
@@ -156,10 +178,10 @@ def read_cosmos(text: TextFile) -> Samples | None:
     start = _select_channel(text, {at: name for at, (name, *_) in channels.items()}, min(channels))
     _, step, data = channels[start]
     values, _ = text.read_fixed_width(start, int(data[1]), data[4], last=True)
-    return Samples(text.step(step, start), values, start + 1, data[3], start)
+    return Samples(text.step(step, start), np.array(values), data[3], start + 1, unit_line=start)
 
 
-def _cosmos_header(text: TextFile, index: int) -> tuple[int, float, re.Match[str]]:
+def _cosmos_header(text: InstrumentFile, index: int) -> tuple[int, float, re.Match[str]]:
     """Index of the first sample behind a channel's words, its time step [s], and what its data line says: number,
     quantity and unit of the samples, and their Fortran format. Every part stands where the one before it ends."""
     values: list[float] = []
@@ -177,7 +199,7 @@ def _cosmos_header(text: TextFile, index: int) -> tuple[int, float, re.Match[str
     return index + 1, float(f"{values[61] / 1000.0 if values[61] > 0 else values[33]:.9g}"), data
 
 
-def read_csmip(text: TextFile) -> Samples | None:
+def read_csmip(text: InstrumentFile) -> Samples | None:
     """CSMIP V2 of the California network, one or more channels: a line such as `4000 points of accel data equally
     spaced at .020 sec, in cm/sec2. (8f10.3)`, then the samples.
 
@@ -201,43 +223,47 @@ def read_csmip(text: TextFile) -> Samples | None:
             series[index] = named, data_line
     if not series:
         return None  # another network's accelerogram, or that of Caltech
-    kinds = {index: identify_unit(data_line[2])[0] for index, (_, data_line) in series.items()}
-    channels = {index: series[index][0] for index, kind in kinds.items() if kind == "acceleration"}
-    if len(channels) < max(1, list(kinds.values()).count("velocity")):
+    kinds = {index: data_line[2].lower() for index, (_, data_line) in series.items()}
+    channels = {index: series[index][0] for index, kind in kinds.items() if kind == "accel"}
+    if len(channels) < max(1, list(kinds.values()).count("veloc")):
         raise text.refuse_damaged("a channel holds no acceleration", min(series) + 1)
     start = _select_channel(text, channels, min(channels) + 1)
     data = series[start][1]
     step = text.step(data[3], start + 1)
     values, _ = text.read_fixed_width(start + 1, int(data[1]), data[4], last=True)
-    return Samples(step, values, start + 2, next(iter(find_units(data[4])), "cm/s2"), start + 1)
+    unit = re.search(r"(?i)\bin (cm/s(?:ec)?(?:/s(?:ec)?|\^?2)|m/s(?:ec)?(?:/s(?:ec)?|\^?2)|g)(?![\w/])", data[4])
+    return Samples(step, np.array(values), unit[1].lower() if unit else "cm/s2", start + 2)
 
 
-def _select_channel(text: TextFile, channels: dict[int, str], line: int) -> int:
+def _select_channel(text: InstrumentFile, channels: dict[int, str], line: int) -> int:
     """Index, in the file, of the channel asked for, of those with acceleration by name; refused where there are several
     and none was named."""
     names = "; ".join(f"{place}: {name}" for place, name in enumerate(channels.values(), 1))
-    if text.channel is None and len(channels) > 1:
+    chosen = text.declared.channel
+    if chosen is None and len(channels) > 1:
         message = f"the file holds {len(channels)} channels of acceleration: {names}"
         hint = "select one: channel: 1 beside the file in a study, or --channel 1"
         raise text.refuse(message, hint, line)
-    channel = 1 if text.channel is None else text.channel
+    channel = 1 if chosen is None else chosen
     if not 1 <= channel <= len(channels):
         raise text.refuse(f"there is no channel {channel} in the file", f"write one of {names}", line)
     return list(channels)[channel - 1]
 
 
-def _check_peak(text: TextFile, values: list[float], pattern: str, header: range, unit: str) -> None:
+def _check_peak(
+    text: InstrumentFile, values: Sequence[float] | np.ndarray, pattern: str, header: range, unit: str
+) -> None:
     """Refuse samples whose peak is not the one that the header states, to 2 % and the last digit of what is printed."""
     match, line = text.search(pattern, header)
     stated = abs(parse_number(match[1]) or 0.0) if match else 0.0
-    peak = max(map(abs, values))
+    peak = float(np.abs(values).max())
     if stated and abs(peak - stated) > 0.02 * stated + 0.01:
         raise text.refuse_damaged(
             f"the header says a peak of {stated:g} {unit}, but the samples reach {peak:.6g}", line
         )
 
 
-def read_geonet(text: TextFile) -> Samples | None:
+def read_geonet(text: InstrumentFile) -> Samples | None:
     """Return a channel of GeoNet's V1A and V2A (New Zealand), in mm/s2.
 
     Every component has 16 lines of text, four of integers, six of reals, then samples, ten a line; in V2A velocities
@@ -269,20 +295,19 @@ def read_geonet(text: TextFile) -> Samples | None:
         )
     spaced, step_line = text.search(r"at (\d*\.?\d+) sec(?:ond)? intervals", words)
     step = text.step(spaced[1] if spaced else header[65], step_line or numbers + 7)
-    unit, unit_line = text.search(r"^acceleration\b.*?\d (mm/s/s|cm/s/s|m/s/s|mm/s\^?2|g)\b", words)
+    unit, _ = text.search(r"^acceleration\b.*?\d (mm/s/s|cm/s/s|m/s/s|mm/s\^?2|g)\b", words)
     values, after = text.read_fixed_width(start, count, "(10F8.1)")
-    following = text.line(after).split()
-    if "uncorrected" in text.lines[begin].lower() and following and None not in map(parse_number, following):
+    if "uncorrected" in text.lines[begin].lower() and is_numeric(text.line(after)):
         raise text.refuse_damaged(f"more than the {count} values that the header says follow", after + 1)
     peak, peak_line = text.search(r"^acceleration\b\W*peak ([-+]?[\d.]+)", words)
     if peak and abs(abs(parse_number(peak[1]) or 0.0) - max(map(abs, values))) > 0.02 * max(map(abs, values)) + 0.1:
         raise text.refuse_damaged(
             f"the header says a peak of {peak[1]}, but the samples reach {max(values, key=abs):g}", peak_line
         )
-    return Samples(step, values, start + 1, unit[1] if unit else "mm/s2", unit_line or begin + 1)
+    return Samples(step, np.array(values), unit[1].lower() if unit else "mm/s2", start + 1)
 
 
-def read_asa(text: TextFile) -> Samples | None:
+def read_asa(text: InstrumentFile) -> Samples | None:
     """Return a channel of the Mexican ASA 2.0 format.
 
     About 109 lines `CLAVE : valor`, with the values of channels as `/a/b/c`, then one column a channel.
@@ -290,7 +315,7 @@ def read_asa(text: TextFile) -> Samples | None:
     Base Mexicana de Datos de Sismos Fuertes (1995), Formato estandar de archivo de aceleracion, version 2.0.
     """
     is_asa, _ = text.search(r"ARCHIVO EST[AÁ]NDAR DE ACELERACI[OÓ]N", range(40))
-    units, unit_line = text.search(r"^UNIDADES DE LOS DATOS ?\W{0,3}(.*)", range(130))
+    units, _ = text.search(r"^UNIDADES DE LOS DATOS ?\W{0,3}(.*)", range(130))
     intervals, step_line = text.search(r"^INTERVALO DE MUESTREO.*?[:=] ?(.*)", range(130))
     if intervals is None or not (is_asa or units):
         return None
@@ -298,34 +323,33 @@ def read_asa(text: TextFile) -> Samples | None:
     if start is None:
         raise text.refuse("no numbers after the header", "give a file that holds a ground motion", step_line)
     rows = text.rows(start)
-    width = len(rows[start])
-    odd = next((index for index, row in rows.items() if len(row) != width), None)
+    width = len(rows[0].cells)
+    odd = next((row for row in rows if len(row.cells) != width), None)
     if odd is not None:
         raise text.refuse_damaged(
-            f"{pluralize(len(rows[odd]), 'value')} on this line, where every other has {width}", odd + 1
+            f"{pluralize(len(odd.cells), 'value')} on this line, where every other has {width}", odd.line
         )
     header = range(start)
     oriented, _ = text.search(r"^ORIENTACION.*?[:=] ?(.*)", header)
     names = _values_of_channels(oriented[1]) if oriented else []
     channels = {place: names[place] if place < len(names) else f"canal {place + 1}" for place in range(width)}
-    if text.channel is None and text.column is not None:
-        text.channel = text.column
-        text.column = None
     place = _select_channel(text, channels, start + 1)
     steps = _values_of_channels(intervals[1])
     written = steps[min(place, len(steps) - 1)] if steps else ""
-    step = text.step(next(iter(find_steps(f"dt = {written}")), written), step_line)
-    values = [row[place] for row in rows.values()]
+    seconds = re.match(r"([\d.]+)(?: ?s(?:eg)?)?\.?\Z", written)
+    step = text.step(seconds[1] if seconds else written, step_line)
+    numbers, _ = text.values(start)
+    values = numbers[place::width]
     said, line = text.search(r"^NUM\. ?TOTAL DE MUESTRAS.*?[:=] ?(.*)", header)
     sizes = _values_of_channels(said[1]) if said else []
     if place < len(sizes):
         text.check_count(sizes[place], len(values), line, "NUM. TOTAL DE MUESTRAS")
     unit = units[1].strip(" /'\"()") if units else ""
     if not unit:
-        peaks, unit_line = text.search(r"^ACEL\. ?MAX\.? ?\((\w+)\)", header)
+        peaks, _ = text.search(r"^ACEL\. ?MAX\.? ?\((\w+)\)", header)
         unit = peaks[1] if peaks else ""
-    stated = next(iter(find_units(f"unit: {unit}")), unit)
-    return Samples(step, values, start + 1, stated or None, unit_line)
+    named = re.search(r"(?i)(?<![a-z])(gal(?=s?(?![a-z]))|[mc]?m/s(?:eg)?\^?2|g(?![a-z]))", unit)
+    return Samples(step, values, named[1].lower().replace("seg", "s") if named else unit, start + 1)
 
 
 def _values_of_channels(written: str) -> list[str]:
@@ -335,7 +359,8 @@ def _values_of_channels(written: str) -> list[str]:
 
 _GEONET = re.compile(r"\s*(?:un)?corrected\s+accelerogram\b", re.IGNORECASE)
 
-NETWORKS = {
+FORMATS = {
+    "pound": read_pound,
     "at2": read_at2,
     "geonet": read_geonet,
     "cosmos": read_cosmos,
@@ -345,34 +370,7 @@ NETWORKS = {
     "esm": read_esm,
     "asa": read_asa,
 }
-"""The formats of the networks by name."""
+"""The formats by name."""
 
 FORMATS_WITH_CHANNELS = ("cosmos", "csmip", "geonet", "asa")
 """The formats of which a file may hold several channels."""
-
-_NOT_READ = (
-    (
-        r"\bCSMNC\b|China Strong.Motion|\bBTM\b|Beijing time|^no\. of points ?:.*equally spaced intervals of ?:",
-        "China CSMNC",
-    ),
-    (r"\bRENADIC\b", "RENADIC V1 (Chile)"),
-    (r"^\* ?VOL\d\w*", "BHRC (Iran)"),
-    (r"^WID[12]\b|^BEGIN (?:GSE|IMS)", "GSE or IMS"),
-    (r"^-12345(?:\.0*)? .*-12345|^.{0,80}-12345\.00 .*-12345", "SAC in text"),
-    (r"^(?:un)?corrected accelerogram\b", "a corrected or uncorrected accelerogram (Caltech, USGS or another network)"),
-    (r"UNIVERSITY OF SOUTHERN CALIFORNIA|\bUSC\b.*\bACCELEROGRAM", "USC V1"),
-    (r"\bSEED\b.*\brecord|^TSPAIR|, TSPAIR,", "TSPAIR of IRIS and ObsPy"),
-    (r"^<!DOCTYPE|^<html|^<\?xml", "a page of the web (HTML or XML), not a motion"),
-    (r"^[{\[]\s*[\"{]", "JSON"),
-)
-_LINES_OF_NAMES = 40
-
-
-def find_unread(text: TextFile) -> tuple[str, int] | None:
-    """Return the name of a format that is known but not read, and the line that shows it; None of others."""
-    for index in range(min(_LINES_OF_NAMES, len(text.lines))):
-        words = normalize(text.words(index))
-        for pattern, name in _NOT_READ:
-            if re.search(pattern, words, re.IGNORECASE):
-                return name, index + 1
-    return None

@@ -13,10 +13,12 @@ from pathlib import Path
 
 import numpy as np
 
-from pounding_cli.cells import BLANKS, SEPARATORS, Grammar, Row, TextFile, choose_separator, load_text
+from pounding_cli.cells import Grammar, Row, TextFile, load_text
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import pluralize
 from pounding_cli.reading import shorten_path
+from pounding_cli.records.declaration import Declaration
+from pounding_cli.records.plain import NumberRows, read_number_rows
 from pounding_cli.records.units import find_acceleration_unit
 from pounding_cli.units import GRAVITY, find_unit_factor
 
@@ -28,9 +30,6 @@ USUAL_RATE = 0.03
 
 MAX_INTENSITY = 100.0
 """Acceleration above which none is meant [g]."""
-
-SEPARATOR_NAMES = {"tab": "\t", "blank": BLANKS, **{sign: sign for sign in SEPARATORS}}
-"""How separators are declared."""
 
 _TIME = re.compile(r"investigation_time\s*=\s*[\"']*([^\"',\s]+)")
 _MEASURE = re.compile(r"\bimt\s*=\s*[\"']*([^\"',]+)", re.IGNORECASE)
@@ -46,10 +45,7 @@ class HazardColumns:
     intensity, rate, probability : columns, from 1
     unit : of the intensities
     years : in which the probabilities are those of being exceeded
-    skip : lines above the first row of numbers; None: those that hold words
-    separator : what parts cells, one of `SEPARATOR_NAMES`; None: as the first row of numbers shows
-    decimal : "." or ","; None: a point
-    thousands : sign between thousands; None: none
+    skip, rows, separator, decimal, thousands : as of a motion (`Declaration`)
     """
 
     intensity: int | None = None
@@ -58,6 +54,7 @@ class HazardColumns:
     probability: int | None = None
     years: float | None = None
     skip: int | None = None
+    rows: int | None = None
     separator: str | None = None
     decimal: str | None = None
     thousands: str | None = None
@@ -65,6 +62,13 @@ class HazardColumns:
     def list_given(self) -> dict[str, object]:
         """Return what is declared, by its key."""
         return {each.name: value for each in fields(self) if (value := getattr(self, each.name)) is not None}
+
+    def declare_cells(self) -> Declaration:
+        """Return how the rows are written: those of a table with two columns, as of times and accelerations."""
+        return Declaration(
+            time=self.intensity, column=self.rate or self.probability, skip=self.skip, rows=self.rows,
+            separator=self.separator, decimal=self.decimal, thousands=self.thousands,
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -315,28 +319,24 @@ def _read_columns(text: TextFile, declared: HazardColumns, si: str) -> _Points:
                 f"nothing says which columns hold intensities and annual rates or probabilities; it begins '{first}'"
             )
         raise text.refuse(message, _propose(text, declared, si))
-    grammar, rows = _read_rows(text, declared)
-    width = len(rows[0].cells)
+    table = read_number_rows(text, declared.declare_cells())
     value_column = declared.rate or declared.probability or 0
     for key, column in (("intensity", declared.intensity), ("rate or probability", value_column)):
-        if not 1 <= column <= width:
-            hint = f"write one from 1 to {width}, or `separator:` for what parts the cells"
-            raise text.refuse(f"{key}: there is no column {column}, the rows have {width}", hint, rows[0].line)
-    taken = [[row.cells[declared.intensity - 1], row.cells[value_column - 1]] for row in rows]
-    for row in rows:
-        for column in (declared.intensity, value_column):
-            if grammar.parse(row.cells[column - 1]) is None:
-                raise grammar.refuse_cell(text, row, column - 1)
-    values = np.array([[grammar.parse(cell) for cell in cells] for cells in taken], float)
-    places = [(row.line, grammar.find_column(text.lines[row.line - 1], value_column - 1)) for row in rows]
+        if column > table.width:
+            hint = f"write one from 1 to {table.width}, or `separator:` for what parts the cells"
+            message = f"{key}: there is no column {column}, the rows have {table.width}"
+            raise text.refuse(message, hint, table.rows[0].line)
+    lines = [(row.line, text.lines[row.line - 1]) for row in table.rows]
+    places = [(line, table.grammar.find_column(cells, value_column - 1)) for line, cells in lines]
+    values = table.take_column(value_column)
     is_rate = declared.years is None
-    rates = values[:, 1] if is_rate else _find_rates(text, values[:, 1], declared.years or 1.0, places)
-    for rate, (line, column) in zip(values[:, 1], places, strict=True):
+    rates = values if is_rate else _find_rates(text, values, declared.years or 1.0, places)
+    for rate, (line, column) in zip(values, places, strict=True):
         if not 0 <= rate <= MAX_RATE:
             raise text.refuse(f"{rate:g} is no annual rate", f"those are from 0 to {MAX_RATE:g}", line, column)
     what = "rate" if is_rate else f"probability in {declared.years:g} years"
     words = f"intensity: column {declared.intensity}, {what}: column {value_column}"
-    return _Points(values[:, 0], rates, places, words + _quote_lines_above(text, rows[0].line))
+    return _Points(table.take_column(declared.intensity), rates, places, words + _quote_unread(table))
 
 
 def _find_rates(
@@ -376,51 +376,10 @@ def _quote(value: object) -> str:
     return text if re.fullmatch(r"[\w./%][\w./ %^-]*", text) else f'"{text}"'
 
 
-def _read_rows(text: TextFile, declared: HazardColumns) -> tuple[Grammar, list[Row]]:
-    """Return the rows of numbers of a file and how their cells are written.
-
-    Above the first one lines of words are passed over, or as many as are declared; below it every line is such a row.
-
-    Raises
-    ------
-    InputError : there is none, or a line is no such row
-    """
-    numbered = [(number, line) for number, line in enumerate(text.lines, 1) if line.strip()]
-    numbered = [(number, line) for number, line in numbered if number > (declared.skip or 0)]
-    for place, (number, line) in enumerate(numbered):
-        grammar = _build_grammar(declared, line)
-        is_row = grammar.is_row_of_numbers(line)
-        is_words = declared.skip is None and re.search(r"[^\W\d_]{2}|^\s*[#%]", line) is not None
-        if not is_row and is_words:
-            continue
-        rows = [Row(each, grammar.split(cells)) for each, cells in numbered[place:]]
-        for row in rows:
-            if len(row.cells) != len(rows[0].cells):
-                count = pluralize(len(row.cells), "cell")
-                message = f"{count} on this line, where the first row, line {number}, has {len(rows[0].cells)}"
-                hint = f"`skip: {number}` passes over line {number}; `separator:` and `decimal:` say what signs mean"
-                raise text.refuse(message, hint, row.line)
-        if not is_row:
-            place = next(place for place, cell in enumerate(rows[0].cells) if grammar.parse(cell) is None)
-            raise grammar.refuse_cell(text, rows[0], place)
-        return grammar, rows
-    hint = "give a row of intensity and annual rate for each point; `separator:` and `decimal:` say what signs mean"
-    raise text.refuse("no line holds numbers alone", hint, numbered[0][0] if numbered else 0)
-
-
-def _build_grammar(declared: HazardColumns, line: str) -> Grammar:
-    """Return how cells are written as declared; the separator is that of a line where none is."""
-    decimal = declared.decimal or "."
-    separator = choose_separator(line, decimal)
-    if declared.separator is not None:
-        separator = SEPARATOR_NAMES[declared.separator]
-    return Grammar(separator, decimal, declared.thousands or "")
-
-
-def _quote_lines_above(text: TextFile, first: int) -> str:
-    """Return the lines above the first row of numbers in words; "" where there is none."""
-    lines = [" ".join(line.split())[:80] for line in text.lines[: first - 1] if line.strip()]
-    if not lines:
+def _quote_unread(table: NumberRows) -> str:
+    """Return the lines that were not read in words; "" where there is none."""
+    if not table.unread:
         return ""
-    shown = ", ".join(f"'{line}'" for line in lines[-_SHOWN_LINES:])
-    return f"; {pluralize(len(lines), 'line')} above not read: {'... ' if len(lines) > _SHOWN_LINES else ''}{shown}"
+    shown = ", ".join(f"'{line.words[:80]}'" for line in table.unread[:_SHOWN_LINES])
+    more = " ..." if len(table.unread) > _SHOWN_LINES else ""
+    return f"; {pluralize(len(table.unread), 'line')} not read: {shown}{more}"

@@ -1,28 +1,38 @@
-"""Read a motion file: find its format, read its samples, settle their unit, refuse what cannot be a motion."""
+"""Read a motion file: an instrument's format strictly, any other as it is declared; show what was taken."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+import dataclasses
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
+from pounding_cli.cells import CurableError, TextFile, load_text, parse_fortran
 from pounding_cli.errors import InputError
-from pounding_cli.records.columns import COLUMN_FORMATS, GIVE_UNIT, read_columns
-from pounding_cli.records.formats import FORMATS_WITH_CHANNELS, NETWORKS, find_unread
+from pounding_cli.numbers import pluralize
+from pounding_cli.records.checks import MAX_PEAK as MAX_PEAK  # others take it from here
+from pounding_cli.records.checks import check_motion, check_samples
+from pounding_cli.records.declaration import BASELINES, MEAN, SEPARATOR_NAMES, UNKNOWN_STEP, Declaration
+from pounding_cli.records.formats import FORMATS, FORMATS_WITH_CHANNELS
+from pounding_cli.records.instrument import InstrumentFile
 from pounding_cli.records.motion import GRAVITY, Motion
-from pounding_cli.records.text import MotionWarning, Samples, TextFile, load_text
-from pounding_cli.records.units import ACCELERATION_UNITS, find_acceleration_unit, identify_unit
+from pounding_cli.records.plain import read_plain
+from pounding_cli.records.proposal import UNKNOWN_UNIT, propose
+from pounding_cli.records.samples import MotionWarning, Samples
+from pounding_cli.records.units import ACCELERATION_UNITS, find_acceleration_unit, find_quantity
 
-MOTION_FORMATS = (*NETWORKS, *COLUMN_FORMATS)
-"""The formats, as users name them."""
+PLAIN = "plain"
+"""How a file that is of no instrument's format is called."""
 
-MAX_PEAK = 5.0 * GRAVITY
-"""The strongest ground accelerations ever recorded lie between 3 and 5 g; above that the unit is wrong [m/s2]."""
+MOTION_FORMATS = tuple(FORMATS)
+"""The formats that say unit and time step themselves, as users name them."""
 
-MAX_USUAL_STEP = 0.05
-"""Accelerographs sample at 50 Hz at least; a longer step is most often a sample number taken for a time [s]."""
+_ONLY_PLAIN = ("time", "column", "skip", "rows", "separator", "decimal", "thousands")
+# Keys that say how the rows of a plain file are written.
+
+QUOTED_LINES = 3
+"""Lines that were not read of which the words are shown."""
 
 
 @dataclass(frozen=True)
@@ -30,192 +40,196 @@ class Reading:
     """A motion and how it was read.
 
     motion : the motion
-    format : one of `MOTION_FORMATS`
-    unit : unit in which its samples were read
-    words : that unit and where it comes from: "in g (as the file says)"
-    stated : the other unit that the file states where the unit given is not that, else ""
-    doubts : warnings about its time step
+    format : one of `MOTION_FORMATS`, or PLAIN
+    lines : what was taken: values, step, unit, peak and its time; then the lines that were not read
+    doubts : warnings about it
     """
 
     motion: Motion
     format: str
-    unit: str
-    words: str
-    stated: str = ""
+    lines: tuple[str, ...]
     doubts: tuple[MotionWarning, ...] = ()
 
 
 def read_file(
-    path: str | Path,
-    *,
-    name: str | None = None,
-    unit: str | None = None,
-    dt: float | None = None,
-    format: str | None = None,
-    channel: int | None = None,
-    column: int | None = None,
-    source: str = "user",
+    path: str | Path, declared: Declaration | None = None, *, name: str | None = None, source: str = "user"
 ) -> Reading:
-    """Read a ground motion from a text file, and say how it was read.
+    """Read a ground motion from a text file, and say what was taken.
 
     Parameters
     ----------
     path : the file
+    declared : what is declared of it; a file that is of no instrument's format needs `unit`, and `time` or `dt`
     name : what to call the motion; the file's own `# name:` line or its stem unless given
-    unit : unit of the acceleration (`records.units`); needed only where the file does not state it. In plain columns
-        it comes before what the headings say. Elsewhere it is refused where it contradicts the file
-    dt : time step [s]; needed where the file does not state it, otherwise checked against the file's own
-    format : one of `MOTION_FORMATS`; default: detected
-    channel : which channel of a file that holds several (COSMOS, CSMIP, GeoNet, ASA), from 1
-    column : which column of a table holds the acceleration, from 1
     source : label of the motion
 
     Raises
     ------
-    InputError : with file and line, for a file that is missing, empty or not text, a value that is no number, uneven
-        or falling times, a count or peak other than the header's, a missing or contradicting time step or unit, a
-        format that is known but not read, velocities, displacements, counts without a scale, and a peak above 5 g
-        (a wrong unit)
+    InputError : with file, line and column, for a file that is missing, empty or not text, a plain file of which
+        nothing is declared (with the line to paste), a cell that is no number, a row of another width, uneven times, a
+        header that disagrees, and samples that no ground motion has (`records.checks`)
     """
-    text = load_text(Path(path))
-    text.dt = dt
-    text.channel = channel
-    text.column = column
-    text.unit = unit
-    if unit is not None and find_acceleration_unit(unit) is None:
-        hint = f"write one of {', '.join(ACCELERATION_UNITS)}, or 0.01 g"
-        raise text.refuse(f"unknown unit '{unit}' of acceleration", hint)
-    file_format, samples = _read_samples(text, format)
-    used_unit, why, stated_unit = _choose_unit(text, file_format, samples, unit)
-    acceleration = _convert_samples(text, samples, used_unit)
-    name_in_file, _ = text.header.get("name", ("", 0))
-    motion = Motion(name or name_in_file or Path(path).stem, samples.dt, acceleration, source)
-    encoding = f", a file in {text.encoding}" if text.encoding else ""
-    words = f"in {used_unit} ({why}){encoding}"
-    doubts = tuple(_iter_doubts(samples))
-    return Reading(motion, file_format, used_unit, words, stated_unit, doubts)
+    declared = declared or Declaration()
+    text = load_text(Path(path), "motion file")
+    _check_declared(text, declared)
+    file_format, samples = _read_samples(text, declared)
+    declared = replace(declared, baseline=declared.baseline or samples.baseline or None)
+    factor = find_acceleration_unit(samples.unit) or 0.0
+    doubts = [*check_samples(text, samples, declared)]
+    with np.errstate(over="ignore", invalid="ignore"):
+        values = samples.values * factor
+    mean = float(values.mean())
+    if declared.baseline == MEAN and np.isfinite(mean):
+        values = values - mean
+    if not np.isfinite(values).all():
+        raise text.refuse("the values are beyond all numbers", "check `unit:` and `column:`", samples.line)
+    motion = Motion(name or samples.name or Path(path).stem, samples.dt, values, source)
+    doubts += check_motion(text, motion, samples, declared)
+    lines = _describe(text, file_format, samples, motion)
+    if declared.baseline == MEAN:
+        lines = (f"{lines[0]}; its mean of {mean:.4g} m/s2 is taken away", *lines[1:])
+    return Reading(motion, file_format, lines, tuple(doubts))
 
 
-def _iter_doubts(samples: Samples) -> Iterator[MotionWarning]:
-    """Yield warnings about a time step that no accelerograph has, or that is not the header's."""
-    if samples.doubt is not None:
-        yield samples.doubt
-    if samples.dt > MAX_USUAL_STEP * (1 + 1e-6):
-        message = f"the time step is {samples.dt:g} s, longer than the {MAX_USUAL_STEP:g} s of any accelerograph"
-        hint = "check that the column of times is no sample number; write `dt: 0.01 s` beside `file:` if it is"
-        yield MotionWarning(message, hint)
+def _check_declared(text: TextFile, declared: Declaration) -> None:
+    """Refuse a declaration that is none: an unknown unit, separator, format or baseline, or signs that are one."""
+    units = ", ".join(ACCELERATION_UNITS)
+    if declared.unit is not None and find_acceleration_unit(declared.unit) is None:
+        raise text.refuse(f"unknown unit '{declared.unit}' of acceleration", f"write one of {units}, or 0.01 g")
+    if declared.separator is not None and declared.separator not in SEPARATOR_NAMES:
+        hint = """write `","`, `";"`, `tab` or `blank`"""
+        raise text.refuse(f"unknown separator '{declared.separator}'", hint)
+    if declared.baseline not in (None, *BASELINES):
+        raise text.refuse(f"unknown baseline '{declared.baseline}'", f"write {' or '.join(BASELINES)}")
+    if declared.decimal not in (None, ".", ","):
+        raise text.refuse(f"unknown decimal sign '{declared.decimal}'", """write "." or "," """.strip())
+    signs = [declared.decimal or ".", declared.thousands, SEPARATOR_NAMES.get(declared.separator or "")]
+    given = [sign for sign in signs if sign]
+    if len(set(given)) < len(given):
+        raise text.refuse("one sign is declared for two of decimal, thousands and separator", "give each its own")
+    if declared.format not in (None, *FORMATS):
+        try:
+            parse_fortran(declared.format or "")
+        except ValueError:
+            hint = f"write one of {', '.join(FORMATS)}, or the Fortran format of the rows, e.g. 8F9.6"
+            raise text.refuse(f"unknown format '{declared.format}'", hint) from None
+    for key in ("time", "column", "rows", "channel"):
+        if (number := getattr(declared, key)) is not None and number < 1:
+            raise text.refuse(f"{key} is {number}", "columns, rows and channels are counted from 1")
 
 
-def _read_samples(text: TextFile, format: str | None) -> tuple[str, Samples]:
+def _read_samples(text: TextFile, declared: Declaration) -> tuple[str, Samples]:
     """Return the format of a file and its samples.
 
     Raises
     ------
-    InputError : the file is not of the format given or of one that is read, or a channel or column is selected in a
-        format without them
+    InputError : the file is not of the format given; a plain file of which nothing is declared
     """
-    file_format = ""
-    samples = None
-    for name, read in NETWORKS.items():
-        if format in (None, name):
-            samples = read(text)
-            if samples:
-                file_format = name
-                break
-    if not samples:
-        if format not in (None, *COLUMN_FORMATS):
-            hint = f"leave 'format' out, or write one of {', '.join(MOTION_FORMATS)}"
-            message = f"its first lines are not those of a file of format '{format}'"
-            raise text.refuse(message, hint, 1)
-        unread = find_unread(text) if format is None else None
-        if unread:
-            raise _refuse_unread(text, *unread)
-        file_format, samples = read_columns(text, format)
-    if text.channel is not None and file_format not in FORMATS_WITH_CHANNELS:
-        raise _refuse_selection(text, file_format, "channel")
-    if text.column is not None and file_format != "table":
-        raise _refuse_selection(text, file_format, "column")
-    return file_format, samples
+    file = InstrumentFile(text, declared)
+    for name, read in FORMATS.items():
+        if declared.format not in (None, name):
+            continue
+        samples = read(file)
+        if samples is not None:
+            _check_instrument(text, name, declared)
+            return name, _settle_unit(text, name, samples, declared)
+    if declared.format in FORMATS:
+        message = f"its first lines are not those of a file of format '{declared.format}'"
+        raise text.refuse(message, "leave `format` out, and declare the columns of a plain file", 1)
+    if declared.channel is not None:
+        raise text.refuse("a plain file has no channels", "write `column:` in place of `channel:`", 1)
+    if declared.time is not None and declared.dt is not None:
+        raise text.refuse("both the column of times and the time step are declared", "leave `time` or `dt` out", 1)
+    if declared.unit is None or (declared.time is None and declared.dt is None):
+        raise _refuse_undeclared(text, declared)
+    try:
+        return PLAIN, read_plain(text, declared)
+    except CurableError as refused:
+        line = replace(declared, **refused.cure).write(text.path.name)
+        problem = refused.problems[0]
+        raise InputError(dataclasses.replace(problem, hint=f"{problem.hint}: {line}")) from None
 
 
-def _refuse_selection(text: TextFile, file_format: str, key: str) -> InputError:
-    """Return the refusal of a channel or column in a format that has none to choose from."""
-    message = f"a file of format '{file_format}' has no {key}s to choose from"
-    return text.refuse(message, f"leave '{key}' out")
+def _check_instrument(text: TextFile, name: str, declared: Declaration) -> None:
+    """Refuse keys that an instrument's format has no use for."""
+    if declared.channel is not None and name not in FORMATS_WITH_CHANNELS:
+        raise text.refuse(f"a file of format '{name}' has no channels to choose from", "leave `channel` out")
+    odd = next((key for key in _ONLY_PLAIN if getattr(declared, key) is not None), None)
+    if odd is not None:
+        message = f"a file of format '{name}' says itself where its values stand"
+        hint = f"leave `{odd}` out"
+        if name in FORMATS_WITH_CHANNELS and odd == "column":
+            hint += ", or write `channel:`"
+        raise text.refuse(message, hint)
 
 
-def _refuse_unread(text: TextFile, name: str, line: int) -> InputError:
-    """Return the refusal of a format that is known but not read."""
-    example = "{file: a.txt, format: column, unit: cm/s2, dt: 0.01 s}"
-    hint = f"export the acceleration as columns of text and give format, unit, dt: {example}"
-    return text.refuse(f"the format is {name}, which is not read", hint, line)
-
-
-def _choose_unit(
-    text: TextFile,
-    file_format: str,
-    samples: Samples,
-    users_unit: str | None,
-) -> tuple[str, str, str]:
-    """Return the unit of the samples, the reason in words, and another one that headings state, "" for none.
+def _settle_unit(text: TextFile, name: str, samples: Samples, declared: Declaration) -> Samples:
+    """Return the samples of an instrument's format with their unit.
 
     Raises
     ------
-    InputError : no unit, a unit of another quantity, or one of the user that contradicts a format which defines its own
+    InputError : the file states none, or counts, and none is declared; another one is declared
     """
-    stated = samples.unit
-    line = samples.unit_line
+    stated = find_acceleration_unit(samples.unit)
+    line = samples.unit_line or samples.line
     if stated is None:
-        if users_unit is None:
-            message = samples.unclear or "no line says in which unit the values are"
-            raise text.refuse(message, GIVE_UNIT, samples.unclear_line or samples.line)
-        return users_unit, "as given", ""
-    quantity, _ = identify_unit(stated)
-    factor = find_acceleration_unit(stated)
-    if quantity in ("velocity", "displacement"):
-        raise text.refuse_quantity(quantity, line)
-    if quantity == "counts":
-        if users_unit is None:
-            hint = "download the processed record (V1 or V2), or say what one count is, e.g. unit: 6.34e-4 gal"
-            raise text.refuse("the file holds recorder counts without their scale", hint, line)
-        return users_unit, "as given", ""
-    if factor is None:
-        if users_unit is not None:
-            return users_unit, f"as given, although the file says {stated}", stated
-        message = f"the file's unit '{stated}' is none of acceleration that is known"
-        hint = f"{GIVE_UNIT}; known are {', '.join(ACCELERATION_UNITS)}"
+        if quantity := find_quantity(samples.unit):
+            hint = "give the acceleration record (.AT2, .acc, HNx)"
+            raise text.refuse(f"the file holds {quantity}, not acceleration", hint, line)
+        if declared.unit is not None:
+            return replace(samples, unit=declared.unit)
+        message = f"the file's unit '{samples.unit}' is none of acceleration that is known"
+        hint = f"write `unit:`, one of {', '.join(ACCELERATION_UNITS)}"
+        if not samples.unit or samples.unit.lower().startswith("count"):
+            message = (
+                "the file holds recorder counts without their scale" if samples.unit else "the file states no unit"
+            )
+            hint = "download the processed record, or say what one count is, e.g. `unit: 6.34e-4 gal`"
         raise text.refuse(message, hint, line)
-    if users_unit is None:
-        return stated, "as the file says", ""
-    users_factor = find_acceleration_unit(users_unit) or 0.0
-    if abs(users_factor / factor - 1.0) <= 1e-4:
-        return stated, "as the file says", ""
-    if file_format in NETWORKS:
-        message = f"the unit is given as {users_unit}, but the file says {stated}"
+    given = find_acceleration_unit(declared.unit) if declared.unit is not None else None
+    if given is not None and abs(given / stated - 1.0) > 1e-4:
+        message = f"the unit is given as {declared.unit}, but the file, of format '{name}', says {samples.unit}"
         raise text.refuse(message, "leave the unit out, or correct the file's", line)
-    return users_unit, f"as given, although the file says {stated}", stated
+    return samples
 
 
-def _convert_samples(text: TextFile, samples: Samples, unit: str) -> np.ndarray:
-    """Return the samples in m/s2, shape (n,).
+def _refuse_undeclared(text: TextFile, declared: Declaration) -> InputError:
+    """Return the refusal of a plain file of which unit or times are not declared, with the line to paste."""
+    missing = [] if declared.unit else ["its unit"]
+    if declared.time is None and declared.dt is None:
+        missing.append("its times or time step")
+    try:
+        found = propose(text, declared)
+    except InputError as refused:
+        return refused
+    line = found.declared.write(text.path.name)
+    message = f"this file is of no instrument's format, and nothing says {' and '.join(missing)}"
+    if found.fault:
+        message += f"; {found.fault}"
+    hints = [f"write {line}"]
+    if found.declared.unit == UNKNOWN_UNIT:
+        hints.append(f"{UNKNOWN_UNIT} is its unit, e.g. g or cm/s2")
+    elif declared.unit is None:
+        hints.append(f"{found.declared.unit} stands {found.why}")
+    if UNKNOWN_STEP in line:
+        hints.append(f"{UNKNOWN_STEP} is its time step, e.g. 0.01 s")
+    hints.append(f"`pound records import {text.path.name}` shows its columns")
+    return text.refuse(message, "; ".join(hints), 1)
 
-    Raises
-    ------
-    InputError : they can be no ground motion
-    """
-    with np.errstate(over="ignore"):
-        values = np.array(samples.values, dtype=float) * (find_acceleration_unit(unit) or 0.0)
-    if values.size < 2:
-        hint = "a motion needs at least two samples"
-        raise text.refuse("only one sample found", hint, samples.line)
-    peak = float(np.abs(values).max())
-    if peak == 0.0:
-        hint = "give a file that holds a ground motion"
-        raise text.refuse("every sample is zero", hint, samples.line)
-    if peak > MAX_PEAK:
-        peak_in_g = f"{peak / GRAVITY:.4g} g"
-        message = f"the peak is {peak_in_g} read in {unit}: no ground motion is that strong"
-        units = ", ".join(ACCELERATION_UNITS)
-        hint = f"give the unit of the file: {units}; recorder counts need their scale, e.g. 6.34e-4 gal"
-        raise text.refuse(message, hint, samples.line)
-    return values
+
+def _describe(text: TextFile, file_format: str, samples: Samples, motion: Motion) -> tuple[str, ...]:
+    """Return what was taken of a file, and the lines of it that were not read."""
+    count = f"{samples.values.size:,} values".replace(",", " ") if samples.values.size > 9999 else ""
+    count = count or pluralize(samples.values.size, "value")
+    where = f"{samples.words}, " if samples.words else f"of format {file_format}, "
+    encoding = f", a file in {text.encoding}" if text.encoding else ""
+    place = samples.dt * int(np.abs(motion.acceleration).argmax())
+    peak = f"peak {motion.pga:.4g} m/s2 = {motion.pga / GRAVITY:.4g} g at {place:g} s"
+    every = f"every {samples.dt:g} s to {motion.duration:g} s"
+    taken = f"{text.path.name}: {count} {where}{every}, {samples.unit}{encoding}; {peak}"
+    if not samples.unread:
+        return (taken,)
+    shown = ", ".join(f"'{line.words[:60]}'" for line in samples.unread[:QUOTED_LINES])
+    more = " ..." if len(samples.unread) > QUOTED_LINES else ""
+    lines = pluralize(len(samples.unread), "line")
+    return taken, f"{lines} not read: {shown}{more}"

@@ -8,14 +8,14 @@ import os
 import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path, PurePath
 from typing import Any
 
 from pounding_cli import records
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.numbers import join_limited
+from pounding_cli.numbers import join_limited, pluralize
 from pounding_cli.reading import MAX_PATH_LENGTH, shorten_path
 from pounding_cli.records import Motion
 from pounding_cli.study.file import nearest
@@ -47,6 +47,9 @@ MAX_FILES = 50_000
 
 MIN_USUAL_ENERGY = 0.5
 """Part of the Arias intensity of a motion that a duration should leave [-]: with less, strong shaking is cut off."""
+
+UNIT_FACTORS = {9.80665: "g in m/s2", 980.665: "g in cm/s2", 9806.65: "g in mm/s2", 386.0886: "g in in/s2"}
+"""Factors between units of acceleration, and what they are."""
 
 MAX_USED = 1000
 """Motions as they are used that are kept at a time: scenes that are solved together share them."""
@@ -107,11 +110,13 @@ class Suite:
     uses : by name
     target : spectrum that they are scaled to; None without one
     doubts : what is doubtful about them
+    taken : of every plain file the lines that say what was taken of it
     """
 
     uses: Mapping[str, MotionUse]
     target: records.TargetSpectrum | None
     doubts: tuple[Issue, ...]
+    taken: tuple[tuple[str, ...], ...] = ()
 
 
 class MotionReader:
@@ -142,8 +147,7 @@ class MotionReader:
             return item.sine.build_motion()
         if item.file is None or item.spec is None:
             return records.load_motion(item.name)
-        options: dict[str, Any] = item.spec.model_dump(exclude={"file", "name"})
-        return records.read_file(item.file, name=item.name, **options)
+        return records.read_file(item.file, item.spec.declare(), name=item.name)
 
     def whole_motion(self, item: MotionItem) -> Motion:
         """Return the whole motion as read.  Raises InputError: it cannot be read."""
@@ -239,6 +243,7 @@ class _Sources:
 
     items, motions : by name
     doubts : what is doubtful about their files
+    taken : of every plain file the lines that say what was taken of it
     """
 
     def __init__(self, reader: MotionReader) -> None:
@@ -246,12 +251,14 @@ class _Sources:
         self.items: dict[str, MotionItem] = {}
         self.motions: dict[str, Motion] = {}
         self.doubts: list[Issue] = []
+        self.taken: list[tuple[str, ...]] = []
 
     def take(self, record: MotionSpec, path: KeyPath, issues: Issues) -> None:
         """Take the motions of one entry of `use`.  Raises InputError where there is none."""
         items = self.reader.find_items(record)
         vertical: list[str] = []
         readings: list[records.Reading] = []
+        refusals: list[InputError] = []
         for item in items:
             if item.name in self.items:
                 hint = "remove one" if item.file is None else "remove one, or give it another `name:`"
@@ -260,14 +267,19 @@ class _Sources:
             try:
                 reading = self.reader.read(item)
             except InputError as refused:
-                issues.add_written(to_issues(refused, (*path, "file")))
+                refusals.append(refused)
                 continue
             self.items[item.name] = item
             self.motions[item.name] = self.reader.whole_motion(item)
             if isinstance(reading, records.Reading):
                 readings.append(reading)
+                if reading.format == records.PLAIN:
+                    self.taken.append(reading.lines)
             if item.file is not None and len(items) > 1 and _is_named_vertical(item.file):
                 vertical.append(item.name)
+        written = record.file if isinstance(record, RecordFileSpec) else str(record)
+        for merged in _merge_refusals(refusals, written):
+            issues.add_written(to_issues(merged, (*path, "file")))
         self.doubts += [Issue(path, message, hint) for message, hint in _iter_doubts(vertical, readings)]
 
     def has_table1(self, name: str) -> bool:
@@ -283,6 +295,19 @@ class _Sources:
             return self.reader.whole_motion(MotionItem(name))
         names = dict.fromkeys((*self.motions, *records.list_names()))
         raise IssuesFound([Issue(("records", "scale", key), f"no record '{name}'", nearest(name, names))])
+
+
+def _merge_refusals(refusals: Sequence[InputError], written: str) -> Iterator[InputError]:
+    """Yield refusals of the files that an entry of `use` stands for, those alike as one, with the entry as written in
+    the line to paste."""
+    alike: dict[tuple[str, str], list[Problem]] = {}
+    for problem in (each for refused in refusals for each in refused.problems):
+        hint = problem.hint.replace(records.write_file(Path(problem.file).name), records.write_file(written))
+        alike.setdefault((problem.message, hint), []).append(problem)
+    for (message, hint), problems in alike.items():
+        more = len(problems) - 1
+        others = f" (and so it is with {pluralize(more, 'more file')})" if more else ""
+        yield InputError(replace(problems[0], message=f"{message}{others}", hint=hint))
 
 
 def _is_named_vertical(file: Path) -> bool:
@@ -320,10 +345,23 @@ class _Scaler:
         if begun:
             message = f"the first {duration:g} s have less than half of the Arias intensity of: {join_limited(begun)}"
             doubts.append(Issue(("records", "duration"), message, "write `duration: whole` to use all of it"))
+        doubts.extend(self._iter_scale_doubts())
         target = self._find_target(cut) if isinstance(self.spec.scale, SpectrumSpec) else None
         factors = self._find_factors(cut, target)
         uses = {name: self._build_use(name, cut[name], factor) for name, factor in factors.items()}
-        return Suite(uses, target, tuple(doubts))
+        return Suite(uses, target, tuple(doubts), tuple(self.sources.taken))
+
+    def _iter_scale_doubts(self) -> Iterator[Issue]:
+        """Yield the doubt about a factor on files that is one unit of acceleration in another."""
+        scale = self.spec.scale
+        if not isinstance(scale, int | float) or all(item.file is None for item in self.sources.items.values()):
+            return
+        for factor, words in UNIT_FACTORS.items():
+            if any(abs(scale / each - 1) < 0.003 for each in (factor, 1 / factor)):
+                message = f"the factor {scale:g} on motions from files is {words}: a unit in disguise"
+                hint = "write the unit of the file, `unit:` beside `file:`, and leave the factor out"
+                yield Issue(("records", "scale"), message, hint)
+                return
 
     def _build_use(self, name: str, cut: Motion, factor: float) -> MotionUse:
         motion = cut.scale_by(factor) if factor != 1.0 else cut
@@ -413,21 +451,14 @@ class _Scaler:
 def _iter_doubts(vertical: Sequence[str], readings: Sequence[records.Reading]) -> Iterator[tuple[str, str]]:
     """Yield message and hint of what is doubtful about files.
 
-    These are names of vertical components, time steps that no accelerograph has, and units in the files other than
-    those of the study.
+    These are names of vertical components, and what the reader of files warns of (`records.checks`).
     """
     if vertical:
         hint = "name the horizontal ones, e.g. `{file: motions/*.NS}`"
         yield f"named like vertical components, will shake the buildings sideways: {join_limited(vertical)}", hint
     doubts: dict[records.MotionWarning, list[str]] = {}
-    against: dict[tuple[str, str], list[str]] = {}
     for each in readings:
         for doubt in each.doubts:
             doubts.setdefault(doubt, []).append(each.motion.name)
-        if each.stated:
-            against.setdefault((each.unit, each.stated), []).append(each.motion.name)
     for doubt, names in doubts.items():
         yield f"{join_limited(names)}: {doubt.message}", doubt.hint
-    for (unit, stated), names in against.items():
-        message = f"{join_limited(names)}: read in {unit}, as the study says, although the file says {stated}"
-        yield message, "remove `unit:` if the file is right"

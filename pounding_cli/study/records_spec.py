@@ -9,6 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field, WrapValidator, model_validator
 
+from pounding_cli.cells import parse_fortran
 from pounding_cli.records.code_spectra import (
     ASCE7,
     CODES,
@@ -20,7 +21,8 @@ from pounding_cli.records.code_spectra import (
     NTC_TOPOGRAPHY,
     CodeSpectrum,
 )
-from pounding_cli.records.reading import MAX_PEAK
+from pounding_cli.records.declaration import BASELINES, Declaration
+from pounding_cli.records.reading import MAX_PEAK, MOTION_FORMATS
 from pounding_cli.records.sines import MAX_CYCLES, Sine
 from pounding_cli.records.units import ACCELERATION_UNITS, find_acceleration_unit
 from pounding_cli.study.base import LabelText, Model, SpecIssue, errors, spec_field, tagged_union
@@ -52,7 +54,18 @@ Duration = Annotated[float | str, TIME.replace(name="duration", example="10 s", 
 TargetPart = Annotated[float, Quantity("part of the target", "", "90 %", 0.0, 2.0, open_low=True)]
 
 
-_Format = Literal["at2", "cosmos", "csmip", "smc", "knet", "esm", "geonet", "asa", "two-column", "column", "table"]
+def _check_format(text: str) -> str:
+    if text in MOTION_FORMATS:
+        return text
+    try:
+        parse_fortran(text)
+    except ValueError:
+        hint = f"write one of {', '.join(MOTION_FORMATS)}, or the Fortran format of the rows, e.g. 8F9.6"
+        raise refuse(f"'{text}' is not a format", hint) from None
+    return text
+
+
+Lines = Annotated[int, WholeNumber(0, 10_000_000)]
 
 
 class RecordFileSpec(Model):
@@ -63,12 +76,29 @@ class RecordFileSpec(Model):
     )
     name: LabelText | None = spec_field(None, "name of the motion in tables; default: the file's stem")
     unit: Annotated[str, AfterValidator(_check_unit)] | None = spec_field(
-        None, "unit of the acceleration, any spelling; needed where the file does not state it"
+        None, "unit of the acceleration, g, cm/s2 or 0.01 m/s2; a plain file needs it", "cm/s2"
     )
-    dt: TimeStep | None = spec_field(None, "time step [s]; needed where the file does not state it")
-    format: _Format | None = spec_field(None, "default: detected")
-    channel: Number | None = spec_field(None, "channel of a file with several channels, from 1")
-    column: Number | None = spec_field(None, "column of a table with the acceleration, from 1")
+    time: Number | None = spec_field(None, "column of the times [s], from 1; a plain file needs it or `dt`")
+    dt: TimeStep | None = spec_field(None, "time step [s] of a plain file without times", "0.01 s")
+    column: Number | None = spec_field(None, "column of the acceleration, from 1; default: every value, row by row")
+    skip: Lines | None = spec_field(None, "lines above the numbers; default: those that hold words")
+    rows: Lines | None = spec_field(None, "rows of numbers that are read; default: all")
+    separator: Literal[",", ";", "tab", "blank"] | None = spec_field(
+        None, "what parts the cells; default: as the first row of numbers shows"
+    )
+    decimal: Literal[".", ","] | None = spec_field(None, "decimal sign; default: a point")
+    thousands: Literal[",", ".", "'", " "] | None = spec_field(None, "sign between thousands; default: none")
+    format: Annotated[str, AfterValidator(_check_format)] | None = spec_field(
+        None, f"{', '.join(MOTION_FORMATS)}; default: detected; or the Fortran format of the rows, 8F9.6"
+    )
+    channel: Number | None = spec_field(None, "channel of an instrument's file with several, from 1")
+    baseline: Literal[BASELINES] | None = spec_field(  # type: ignore[valid-type]
+        None, "`mean`: their mean is taken away from the samples; `kept`: the ground is meant to drift or to be pushed"
+    )
+
+    def declare(self) -> Declaration:
+        """Return what is declared of the file."""
+        return Declaration(**self.model_dump(exclude={"file", "name"}))
 
 
 class FrequencyRangeSpec(Model):

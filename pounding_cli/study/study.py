@@ -162,6 +162,10 @@ class Study:
                 pass
         return self.parts.suite.value_at(self.first_point)
 
+    def list_taken_files(self) -> list[tuple[str, ...]]:
+        """Return, of every plain file of motions, the lines that say what was taken of it."""
+        return list(dict.fromkeys(lines for _, suite in self.parts.suite.iter_values() for lines in suite.taken))
+
     def motion(self, point: Point, name: str) -> Motion:
         """Return a motion as it is used at a point of the sweep, cut and scaled."""
         return self.reader.used_motion(self.motion_uses(point)[name])

@@ -296,7 +296,9 @@ def test_hazard_curves_of_files(tmp_path):
     assert "annual rates from 0.01 to 0.001" in near
     assert "annual rates from 0.02 to 0.002" in far
     street = read_street(path, replace(SETTINGS, hazard=str(tmp_path / "h.csv")))
-    with pytest.raises(pounding_cli.InputError, match="write `hazard: .file: h.csv, intensity: 1, unit: g, rate: 2.`"):
+    with pytest.raises(
+        pounding_cli.InputError, match=r"write `hazard: \{file: h.csv, intensity: 1, unit: g, rate: 2\}`"
+    ):
         street.find_warnings()
 
 

@@ -44,12 +44,16 @@ MOTIONS: dict[str, tuple[float, np.ndarray]] = {
 }
 """Name to time step [s] and acceleration [g]."""
 
+PUSHED = ("long", "push")
+"""Motions of which the ground drifts away, or is pushed one way, and is meant to."""
+
 
 def text_of(name: str) -> str:
     """The file of one motion: header and one value a line."""
     dt, samples = MOTIONS[name]
     values = "\n".join(f"{x:.5g}" for x in samples)
-    return f"# name: {name}\n# dt: {dt:g} s\n# unit: g\n{values}\n"
+    baseline = "# baseline: kept\n" if name in PUSHED else ""
+    return f"# name: {name}\n# dt: {dt:g} s\n# unit: g\n{baseline}{values}\n"
 
 
 if __name__ == "__main__":

@@ -73,7 +73,7 @@ IN_50_YEARS = "site;gal;p\n" + "".join(
     ("text", "declared"),
     [
         (TWO, COLUMNS),
-        ("0.2 2e-3\n0.05 2e-2\n\n0.1 7e-3\n", COLUMNS),
+        ("0.2 2e-3\n0.05 2e-2\n0.1 7e-3\n", COLUMNS),
         ("2e-2;0,05\n7e-3;0,1\n2e-3;0,2\n", replace(COLUMNS, intensity=2, rate=1, decimal=",")),
         ("1 9\n" + TWO, replace(COLUMNS, skip=2)),
         (TWO.replace("\n", " \n").replace(", ", "\t"), replace(COLUMNS, separator="tab")),
@@ -93,7 +93,7 @@ def test_what_was_taken_is_said(tmp_path: Path) -> None:
     (tmp_path / "h.csv").write_text("Kathmandu\n" + TWO + "0.4, 0\n")
     assert read_hazard(tmp_path / "h.csv", "m/s2", COLUMNS).taken == (
         "h.csv: hazard curve of 3 points, intensities from 0.05 to 0.2 g, annual rates from 0.02 to 0.002; intensity: "
-        "column 1, rate: column 2; 2 lines above not read: 'Kathmandu', 'PGA (g), annual rate of exceedance'; left "
+        "column 1, rate: column 2; 2 lines not read: 'Kathmandu', 'PGA (g), annual rate of exceedance'; left "
         "out: 1 point of 0, too rare to say"
     )
     saturated = OPENQUAKE.replace("depth,", "depth,poe-0.01,").replace("0.0,6", "0.0,1.000000E+00,6")

@@ -315,7 +315,8 @@ def pseudo_acceleration(times: np.ndarray, ground: np.ndarray, period: float, ra
 def wave(path: Path, frequency: float) -> None:
     times = np.arange(300) * 0.01
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text("# unit: g\n" + "".join(f"{t:.2f} {0.2 * np.sin(2 * np.pi * frequency * t):.6f}\n" for t in times))
+    head = "# unit: g\n# dt: 0.01 s\n"
+    path.write_text(head + "".join(f"{0.2 * np.sin(2 * np.pi * frequency * t):.6f}\n" for t in times))
 
 
 @pytest.mark.parametrize(

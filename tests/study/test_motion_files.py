@@ -3,12 +3,14 @@ is refused at its line."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import pounding_cli as pound
+from pounding_cli.records import Declaration, read_file
 from tests.helpers import motion_layouts as layouts
 
 CM, IN_G = layouts.samples(60.0), layouts.samples(0.3)
@@ -23,16 +25,45 @@ def read(folder: Path, text: str, **options) -> pound.Motion:
 
 
 @pytest.mark.parametrize(
-    ("head", "unit"),
+    ("unit", "one"),
     [
-        ("time,acc (cm/s2)", 0.01), ("t [s]; a [m/s^2]", 1.0), ("# unit: in/s2", 0.0254), ("time, m/s2", 1.0),
-        ("Units: cm/sec/sec\ntime, value", 0.01), ("ACCELERATION IN UNITS OF G", G), ("time,acc\ns,m/s2", 1.0),
-        ("Acceleration (cm/s/s)", 0.01), ("Time;Accel, mg", 1e-3 * G), ("time_s,acc_g", G), ("t, a (ms-2)", 1.0),
+        ("cm/s2", 0.01), ("m/s^2", 1.0), ("in/s2", 0.0254), ("g", G), ("G", G), ("cm/sec/sec", 0.01), ("gal", 0.01),
+        ("0.01 m/s2", 0.01), ("3920/6182761 gal", 39.2 / 6182761), ("mm/s²", 0.001), ("1e-3 g", 1e-3 * G),
     ],
 )  # fmt: skip
-def test_the_unit_that_the_heading_states(tmp_path, head, unit):
-    samples = read(tmp_path, f"{head}\n{ROWS}").acceleration
-    assert samples == pytest.approx(unit * np.array([0.1, -0.25, 0.05, 0.2]), rel=1e-12)
+def test_the_unit_that_is_declared(tmp_path, unit, one):
+    samples = read(tmp_path, f"time,acc\n{ROWS}", unit=unit, time=1).acceleration
+    assert samples == pytest.approx(one * np.array([0.1, -0.25, 0.05, 0.2]), rel=1e-12)
+
+
+def test_rounded_times_are_refused_with_the_step(tmp_path):
+    """75 Hz with times of two decimals: fails if they are taken as they stand, or if the step is not 1/75 s."""
+    values = layouts.samples(0.3, 203)
+    rows = "".join(f"{place / 75:.2f},{value}\n" for place, value in enumerate(values))
+    with pytest.raises(pound.InputError, match=r"rounded to 0.01 s") as caught:
+        read(tmp_path, f"Time (s),Acc (g)\n{rows}", unit="g", time=1)
+    assert "{file: motion.txt, unit: g, dt: 0.01333333 s, column: 2}" in caught.value.problems[0].hint
+
+
+def test_an_offset_is_warned_or_refused_and_the_mean_cures_it(tmp_path):
+    """Half a percent of the peak is told; 0.25 g, with which the ground would go away by 176 m, is refused."""
+    values = np.array([0.3 * np.sin(0.3 * place) for place in range(600)])
+    values -= values.mean()
+    for offset, word in ((0.0, ""), (0.005 * 0.3, "ends at"), (0.25, "no ground goes beyond 100 m")):
+        (tmp_path / "motion.txt").write_text("".join(f"{value:.9f}\n" for value in values + offset))
+        declared = Declaration(unit="g", dt=0.02)
+        try:
+            reading = read_file(tmp_path / "motion.txt", declared)
+            said = "".join(each.message for each in reading.doubts)
+        except pound.InputError as refused:
+            said = str(refused)
+            assert "`baseline: mean`" in said
+        assert word in said
+        assert bool(said) == bool(word), said
+        cured = read_file(tmp_path / "motion.txt", replace(declared, baseline="mean"))
+        assert cured.motion.acceleration == pytest.approx(G * values, abs=1e-8)
+        assert cured.doubts == ()
+        assert f"its mean of {G * offset:.4g} m/s2 is taken away" in cured.lines[0] or offset == 0
 
 
 def test_counts_of_a_recorder_become_gal_about_their_mean(tmp_path):
@@ -71,15 +102,8 @@ TWO_CSMIP = layouts.csmip_v2_channel(CM) + layouts.csmip_v2_channel(CM, 2, "180 
         (TWO_CSMIP.replace("points of accel", "points of acxel", 1), 53, "no acceleration"),
         (layouts.csmip_v2_channel(CM, count=60), 52, "8 should stand"),
         ("UNCORRECTED ACCELEROGRAM DATA\n1 2 3\n", 1, "(V2)"),
-        ("# unit: counts\n" + ROWS, 1, "counts"),
-        ("t (s), v (cm/s)\n" + ROWS, 1, "velocity"),
-        ("0 0.1\n0.01 0.2\n0.03 0.1\n0.04 0.2\n0.05 0.1\n", 3, "uneven"),
-        (ROWS.replace("0.02,", "0.005,"), 3, "a step of -0.005 s here"),
-        (ROWS.replace("0.05", "nan"), 3, "finite"),
-        ("# unit: g\n0 341\n0.01 20\n", 2, "341 g"),
-        ("t,x,y\n0,1,2\n0.01,2,3\n", 2, "--column 2"),
-        ("0.1\n0.2\n", 1, "no time step"),
-        ("# dt: 0.01 s\n# samples: 3\n0.1\n0.2\n", 2, "samples = 3"),
+        ("# dt: 0.02 s\n# unit: counts\n1\n-2\n", 3, "counts"),
+        ("# dt: 0.01 s\n# samples: 3\n# unit: g\n0.1\n-0.2\n", 2, "samples = 3"),
     ],
 )  # fmt: skip
 def test_no_ground_motion(tmp_path, text, line, word):

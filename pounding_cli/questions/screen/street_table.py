@@ -16,10 +16,11 @@ from typing import Any
 
 from pydantic_core import PydanticCustomError
 
+from pounding_cli.cells import load_text
 from pounding_cli.model.archetypes import DESIGNS, list_types
 from pounding_cli.questions.screen.designs import ZONES, find_design
 from pounding_cli.questions.screen.street import LEFT, MIN_PGA, RIGHT, Cell, NeighbourPair, Settings, Street, mark_map
-from pounding_cli.records.text import load_text, parse_number
+from pounding_cli.records.instrument import parse_number
 from pounding_cli.study.file import Map, Mark, Problems, dump_yaml, nearest, parse_value
 from pounding_cli.study.issues import Issue, IssuesFound
 from pounding_cli.study.quantity import ACCELERATION, GAP, LENGTH, Quantity

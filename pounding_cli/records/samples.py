@@ -1,0 +1,52 @@
+"""The samples of a motion file, as one of its readers finds them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+MIN_TIME_STEP, MAX_TIME_STEP = 1e-6, 10.0
+"""Time steps [s] outside are no ground motion's."""
+
+
+class UnreadLine(NamedTuple):
+    """A line of a file that was not read; number : from 1."""
+
+    number: int
+    words: str
+
+
+class MotionWarning(NamedTuple):
+    """A warning about a motion that is read all the same, and what to do about it."""
+
+    message: str
+    hint: str
+
+
+@dataclass(frozen=True)
+class Samples:
+    """The samples of a file.
+
+    dt : time step [s]
+    values : in `unit`, shape (n,)
+    unit : of acceleration, as declared or as the format states it
+    unit_line : that states it, from 1; 0 for none
+    line : where they begin, from 1
+    words : which values they are: "of column 2", "row by row"
+    unread : lines with words above, between and below the numbers
+    heading : the cell above the column, "" for none
+    name, baseline : of the motion, as the file states them; "" for none
+    """
+
+    dt: float
+    values: np.ndarray
+    unit: str
+    line: int
+    words: str = ""
+    unread: tuple[UnreadLine, ...] = ()
+    heading: str = ""
+    name: str = ""
+    baseline: str = ""
+    unit_line: int = 0
