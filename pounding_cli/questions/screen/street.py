@@ -59,6 +59,7 @@ class Settings:
     zone : of rows without one; "" without one
     return_period : of `pga` in rows without one [years]
     slope : exponent k of the hazard curve of rows that give one point of it [-]
+    separator, decimal, thousands : how cells are written (`records.Declaration`); "" as of a motion without them
     """
 
     motions: tuple[str, ...] = ("elcentro", "taft", "eureka", "olympia", "parkfield")
@@ -69,6 +70,9 @@ class Settings:
     zone: str = ""
     return_period: float = 475.0
     slope: float = 3.0
+    separator: str = ""
+    decimal: str = ""
+    thousands: str = ""
 
 
 @dataclass(frozen=True, eq=False)
