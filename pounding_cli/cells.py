@@ -133,6 +133,10 @@ class Grammar:
             cells = [cell.strip() for cell in line.split(self.separator)]
         return cells[:-1] if len(cells) > 1 and not cells[-1] else cells
 
+    def split_row(self, line: str) -> list[str]:
+        """Return the cells of a line below headings: as `split`, with the empty ones at its end."""
+        return self.split(line if self.separator == BLANKS else line + self.separator)
+
     def _split_columns(self, line: str) -> list[str]:
         """Return the cells of fixed columns; empty ones at the end of a line are none."""
         cells = []
@@ -274,6 +278,16 @@ def _write_keys(signs: Mapping[str, str]) -> str:
 def choose_separator(line: str, decimal: str = ".") -> str:
     """Return what parts the cells of a line where nothing is declared: the first of `SEPARATORS` that stands on it."""
     return next(sign for sign in SEPARATORS if sign == BLANKS or (sign in line and sign != decimal))
+
+
+def hint_options(fault: Fault) -> str:
+    """Return what settles a fault by options of a command, `--decimal ','`; "" where no sign does."""
+    return re.sub(r'(\w+): "(.)",?', r"--\1 '\2'", fault.hint).replace("write", "give", 1) if fault.cure else ""
+
+
+def choose_table_separator(lines: Sequence[str]) -> str:
+    """Return what parts the cells of a table of words and numbers: the one of `SEPARATORS` on the most lines."""
+    return max(SEPARATORS[:-1], key=lambda sign: sum(sign in line for line in lines))
 
 
 def parse_fortran(written: str, decimal: str = ".") -> Grammar:

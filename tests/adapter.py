@@ -30,6 +30,7 @@ from pounding_cli.model.plan import FrameLine as FrameLine
 from pounding_cli.model.wall import Wall
 from pounding_cli.paper import points
 from pounding_cli.questions.reports import build_report
+from pounding_cli.records.hazard import HazardColumns as HazardColumns
 from pounding_cli.records.hazard import read_hazard as read_hazard
 from pounding_cli.solver import estimate as estimates
 from pounding_cli.solver import response as response

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from pounding_cli.cli.options import FILE, seconds, together
+from pounding_cli.cli.options import FILE, cell_options, seconds, together
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.texts import escape_controls
 
 if TYPE_CHECKING:
     from pounding_cli.imports.building import Choices, ImportedBuilding
+    from pounding_cli.imports.declared import TableDeclaration
     from pounding_cli.imports.pushover import Fit
-    from pounding_cli.imports.tables import TableFile
     from pounding_cli.imports.writing import PlanSize
 
 
@@ -70,18 +70,31 @@ _table_options = together(
 )  # fmt: skip
 
 
+_column_options = together(
+    click.option(
+        "--column", multiple=True, metavar="QUANTITY=COLUMN",
+        help="Column of a quantity, by its number or heading: stiffness=4, 'mass=Weight/9.81'.",
+    ),
+    click.option("--columns", type=FILE, metavar="FILE.yaml", help="The same in a file, `mass: Weight/9.81` a line."),
+)  # fmt: skip
+
+
 def _import_tables(tables: Path, command: str, **options: Any) -> None:
     """Write the study of a building from its tables, and say how its period compares."""
     from pounding_cli.imports.storeys import read_building
+    from pounding_cli.imports.tables import read_tables
 
-    found = _read_tables(tables, options["units"])
+    declared = _build_declaration(options)
+    found = read_tables(tables, declared)
     building = read_building(found, _build_choices(options))
+    declared.refuse_unused()
     _finish(building, found.list_digests(), tables, command, options)
 
 
 @import_.command(short_help="Tables of ETABS, a workbook or CSV files.")
 @click.argument("tables", type=FILE)
 @_table_options
+@cell_options
 @_naming_options
 def etabs(tables: Path, **options: Any) -> None:
     """Import a building from TABLES of ETABS: an Excel workbook, or a folder of CSV files.
@@ -100,16 +113,20 @@ def etabs(tables: Path, **options: Any) -> None:
 
 @import_.command(short_help="One table of storeys, of any program.")
 @click.argument("tables", metavar="TABLE", type=FILE)
+@_column_options
 @_table_options
+@cell_options
 @_naming_options
 def table(tables: Path, **options: Any) -> None:
     """Import a building from a TABLE of its storeys, CSV or Excel: storey, height, mass, stiffness, and yield shear.
 
-    Units stand behind the headings, as in `height [m]`, or in a row below them.
+    Units stand behind the headings, as in `height [m]`, or in a row below them. A heading that is not the name of what
+    its column holds is declared by --column.
 
     \b
     Example:
       pound import table storeys.csv --period 1.2s
+      pound import table export.csv --column 'stiffness=4 [kN/mm]' --column 'mass=Weight/9.81'
     """
     _import_tables(tables, "pound import table", **options)
 
@@ -120,7 +137,9 @@ def table(tables: Path, **options: Any) -> None:
 @click.option(
     "--figure", type=FILE, metavar="FILE", help="Picture of the fits, .svg, .png or .pdf. Default: NAME-fits.svg."
 )
+@_column_options
 @_table_options
+@cell_options
 @_naming_options
 def pushover(curves: Path, storeys: Path | None, figure: Path | None, **options: Any) -> None:
     """Import a building from pushover CURVES: the shear of every storey over its drift, a row for each storey and step.
@@ -133,19 +152,22 @@ def pushover(curves: Path, storeys: Path | None, figure: Path | None, **options:
       pound import pushover curves.csv --storeys storeys.csv
     """
     from pounding_cli.imports.pushover import apply_curves, draw_fits, read_curves
-    from pounding_cli.imports.storeys import note_decimals, read_building
+    from pounding_cli.imports.storeys import read_building, warn_three_decimals
+    from pounding_cli.imports.tables import read_tables
     from pounding_cli.outputs import check_output
     from pounding_cli.report.style import FIGURE_FORMATS, drawn_as
 
     choices = _build_choices(options)
-    found = _read_tables(curves, options["units"])
+    declared = _build_declaration(options)
+    found = read_tables(curves, declared)
     read, notes = read_curves(found, choices)
-    others = found if storeys is None else _read_tables(storeys, options["units"])
+    others = found if storeys is None else read_tables(storeys, declared)
     building = read_building(others, choices, needs_stiffness=False)
+    declared.refuse_unused()
     fits = apply_curves(building, read, str(curves), bool(choices.tower))
     building.notes += notes
     if storeys is not None:
-        note_decimals(found, building)
+        warn_three_decimals(found, building)
     name = _choose_name(options["name"], curves)
     picture = figure or _choose_output(options["output"], name).with_name(f"{name}-fits.svg")
     suffix = picture.suffix.lower().lstrip(".")
@@ -170,12 +192,17 @@ def _format_fits(fits: dict[str, Fit]) -> str:
     return "\n".join(lines)
 
 
-def _read_tables(path: Path, units: str | None) -> TableFile:
-    """Return the tables of a file or folder.  Raises `InputError`."""
-    from pounding_cli.imports.tables import read_tables
+def _build_declaration(options: dict[str, Any]) -> TableDeclaration:
+    """Return what the options declare of the tables.  Raises `InputError`."""
+    from pounding_cli.imports.declared import TableDeclaration, parse_sources
     from pounding_cli.imports.units import parse_system
 
-    return read_tables(path, parse_system(units) if units is not None else None)
+    return TableDeclaration(
+        direction=options["direction"].upper(),
+        system={} if options["units"] is None else parse_system(options["units"]),
+        sources=parse_sources(options.get("column", ()), options.get("columns")),
+        **{name: options[name] or "" for name in ("separator", "decimal", "thousands")},
+    )
 
 
 def _build_choices(options: dict[str, Any]) -> Choices:
@@ -242,6 +269,7 @@ def _finish(
     said = _describe_periods(building, options["match_period"])
     if options["units"] is not None:
         building.notes.append(f"columns without a unit: force and length by --units '{options['units']}'")
+    building.notes += _list_declared(options)
     text = format_study(name, building, command, digests, plan)
     writes_over: Callable[[Path, bytes], bool] = lambda _, head: (  # noqa: E731
         options["force"] and head.startswith(b"# Written by `pound import")
@@ -257,6 +285,15 @@ def _finish(
     for warning in [*building.warnings, *study.warnings]:
         click.echo(f"warning: {escape_controls(str(warning))}", err=True)
     click.echo(f"Next, write the neighbour, the gap and your motions into it, and: pound check {path}")
+
+
+def _list_declared(options: dict[str, Any]) -> list[str]:
+    """Return the options that declare cells and columns, as a note."""
+    said = [f"--column '{text}'" for text in options.get("column", ())]
+    if options.get("columns") is not None:
+        said.append(f"--columns {options['columns']}")
+    said += [f"--{name} '{options[name]}'" for name in ("separator", "decimal", "thousands") if options[name]]
+    return [f"declared: {', '.join(said)}"] if said else []
 
 
 def _describe_periods(building: ImportedBuilding, matches: bool) -> str:

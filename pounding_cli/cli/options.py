@@ -76,3 +76,16 @@ def print_failures(failures: Iterable[tuple[str, str, str]]) -> None:
     """Print of every failure its place, what happened, and what to do about it."""
     for place, status, advice in failures:
         click.echo(f"failed: {place}: {status}" + (f"\n    {advice}" if advice else ""), err=True)
+
+
+cell_options = together(
+    click.option(
+        "--separator", type=click.Choice((",", ";", "tab", "blank")),
+        help="What parts the cells of a text file. Default: the sign on the most lines.",
+    ),
+    click.option("--decimal", type=click.Choice((".", ",")), help="Decimal sign. Default: a point."),
+    click.option(
+        "--thousands", type=click.Choice((",", ".", "'", " ")), help="Sign between thousands, if any."
+    ),
+)  # fmt: skip
+"""Options that declare how the cells of a table of text are written."""

@@ -7,8 +7,8 @@ from typing import Any
 
 import click
 
-from pounding_cli.cli.options import FILE, output_option
-from pounding_cli.cli.solve import answer_question, prepare_solving, solving_options
+from pounding_cli.cli.options import FILE, cell_options, output_option
+from pounding_cli.cli.solve import answer_question, prepare_solving, print_taken, solving_options
 from pounding_cli.errors import InputError, Problem
 
 MAX_WARNINGS = 10
@@ -22,7 +22,7 @@ MAX_WARNINGS = 10
     "--hazard",
     default="",
     metavar="CURVE",
-    help="Hazard curve of rows without one: a file, or e.g. '{0.1 g: 0.02, 0.4 g: 1/475}'.",
+    help="Hazard curve of rows without one, as a study has it: '{0.1 g: 0.02, 0.4 g: 1/475}', or a file.",
 )
 @click.option(
     "--return-period",
@@ -68,6 +68,7 @@ MAX_WARNINGS = 10
     show_default=True,
     help="Number of buildings that each neighbour may be.",
 )
+@cell_options
 @click.option(
     "--pair", metavar="NAME", help="Print the study of one pair, for `pound gap` and `pound run`, and solve nothing."
 )
@@ -75,7 +76,8 @@ MAX_WARNINGS = 10
 @click.pass_context
 def screen(
     ctx: click.Context, table: Path, output: Path | None, hazard: str, return_period: float, slope: float, zone: str,
-    motions: str, duration: str, levels: str, neighbours: int, pair: str | None, **how: Any,
+    motions: str, duration: str, levels: str, neighbours: int, pair: str | None, separator: str | None,
+    decimal: str | None, thousands: str | None, **how: Any,
 ) -> None:  # fmt: skip
     """Rank the pairs of neighbours of STREET.csv by how often they strike, and say what decides.
 
@@ -105,6 +107,9 @@ def screen(
         zone=zone,
         return_period=return_period,
         slope=slope,
+        separator=separator or "",
+        decimal=decimal or "",
+        thousands=thousands or "",
     )
     street = read_street(table, settings)
     if pair is not None:
@@ -126,6 +131,7 @@ def screen(
             JsonLines().write_event("warning", text=warning)
         elif not how["quiet"]:
             click.echo(f"warning: {warning}", err=True)
+    print_taken(street.list_taken(), how["quiet"], JsonLines() if how["log_json"] else None)
     path = output or default_output(table, "screen")
     if not answer_question(Screen(street), path, **how):
         ctx.exit(1)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -24,6 +24,7 @@ from pounding_cli.cli.taken import describe_taken_files
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import format_duration, pluralize
 from pounding_cli.questions import TITLES
+from pounding_cli.texts import escape_controls
 
 if TYPE_CHECKING:
     from pounding_cli.api.running import RunOutcome
@@ -131,6 +132,7 @@ def solve_study(
         elif not quiet:
             click.echo(line, err=True)
     asked = ask_question(name, loaded)
+    print_taken(asked.taken, quiet, log)
     if write is not None:
         _check_best(cast("Optimise", asked), write, how["replace"])
     path = output or default_output(study, name, changes)
@@ -141,6 +143,15 @@ def solve_study(
     elif write is not None and not (quiet or log):
         click.echo(f"Best study: {write}; simulate it with: pound run {write}")
     return is_written and not outcome.failures
+
+
+def print_taken(taken: Iterable[str], quiet: bool, log: JsonLines | None) -> None:
+    """Print or log what was taken of files, a sentence each."""
+    for sentence in taken:
+        if log:
+            log.write_event("note", text=sentence)
+        elif not quiet:
+            click.echo(escape_controls(sentence), err=True)
 
 
 def prepare_solving() -> None:

@@ -14,6 +14,7 @@ from pounding_cli.cli.options import FILE, changes_argument, output_option, stud
 from pounding_cli.cli.taken import describe_taken_files
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import count_histories, format_duration, pluralize, round_roughly
+from pounding_cli.texts import escape_controls
 
 if TYPE_CHECKING:
     from pounding_cli.api.standing import Standing
@@ -136,6 +137,8 @@ def check(study: Path, changes: tuple[Change, ...], output: Path | None) -> None
     click.echo("\n".join(_describe_plan(plan)))
     for line in describe_taken_files(read):
         click.echo(line)
+    for sentence in dict.fromkeys(sentence for each in questions for sentence in each.taken):
+        click.echo(escape_controls(sentence))
     click.echo("commands   (times on one core, by the rates of earlier runs on this computer)")
     for each in questions:
         line, *below = _describe_standing(each, output)

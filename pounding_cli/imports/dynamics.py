@@ -5,16 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pounding_cli.imports.building import Choices, ImportedBuilding
-from pounding_cli.imports.headings import (
-    CASE_HEADINGS,
-    CENTRE_TABLES,
-    HEADINGS_OF_DIRECTION,
-    MODE_HEADINGS,
-    PERIOD_HEADINGS,
-    PERIOD_TABLES,
-    RATIO_TABLES,
-    STOREY_HEADINGS,
-)
+from pounding_cli.imports.headings import CENTRE_TABLES, PERIOD_TABLES, RATIO_TABLES
 from pounding_cli.imports.rows import read_positive, select_tower
 from pounding_cli.imports.tables import ProgramRow, ProgramTable, TableFile
 from pounding_cli.numbers import join_limited
@@ -31,9 +22,9 @@ def read_eccentricity(tables: TableFile, building: ImportedBuilding, choices: Ch
     if table is None:
         return
     across = "Y" if choices.direction == "X" else "X"
-    mass_centre = table.find_column([f"{across}CM"])
-    stiffness_centre = table.find_column([f"{across}CR"])
-    storey = table.find_column(STOREY_HEADINGS)
+    mass_centre = table.find_column("mass centre")
+    stiffness_centre = table.find_column("stiffness centre")
+    storey = table.find_column("storey")
     if mass_centre is None or stiffness_centre is None or storey is None:
         building.notes.append(f"eccentricity: '{table.title}' has no {across}CM and {across}CR, left out")
         return
@@ -79,8 +70,8 @@ def read_period(tables: TableFile, building: ImportedBuilding, choices: Choices)
     table = tables.find_table(PERIOD_TABLES)
     if table is None:
         return
-    period = table.get_column(PERIOD_HEADINGS, "period of the mode")
-    mode = table.get_column(MODE_HEADINGS, "number of the mode")
+    period = table.get_column("period", "period of the mode")
+    mode = table.get_column("mode", "number of the mode")
     rows = _select_modal_case(table, building)
     if not rows:
         building.notes.append(f"period of the model: '{table.title}' has no row, left out")
@@ -102,7 +93,7 @@ def read_period(tables: TableFile, building: ImportedBuilding, choices: Choices)
 
 def _select_modal_case(table: ProgramTable, building: ImportedBuilding) -> list[ProgramRow]:
     """Return the rows of the first modal case of a table; a note names it where there are others."""
-    case = table.find_column(CASE_HEADINGS)
+    case = table.find_column("case")
     rows = list(table.rows)
     if case is None:
         return rows
@@ -116,8 +107,8 @@ def _select_modal_case(table: ProgramTable, building: ImportedBuilding) -> list[
 def _find_mode_along(tables: TableFile, building: ImportedBuilding, choices: Choices) -> tuple[str, str] | None:
     """Return the mode that moves most of the mass along the row, and its words; None where no table tells."""
     table = tables.find_table(RATIO_TABLES)
-    ratio = table.find_column(HEADINGS_OF_DIRECTION[choices.direction]["ratio"]) if table is not None else None
-    mode = table.find_column(MODE_HEADINGS) if table is not None else None
+    ratio = table.find_column("ratio") if table is not None else None
+    mode = table.find_column("mode") if table is not None else None
     if table is None or ratio is None or mode is None:
         return None
     rows = [row for row in _select_modal_case(table, building) if table.read_text(row, ratio)]

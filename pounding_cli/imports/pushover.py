@@ -12,9 +12,9 @@ from scipy.optimize import brentq
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.imports.building import Choices, ImportedBuilding
-from pounding_cli.imports.headings import HEADINGS_OF_DIRECTION, STEP_NUMBER_HEADINGS, STOREY_HEADINGS
+from pounding_cli.imports.headings import normalize_name
 from pounding_cli.imports.rows import TOTALS, refuse_nameless, select_case
-from pounding_cli.imports.tables import ProgramColumn, ProgramRow, ProgramTable, TableFile, normalize_name
+from pounding_cli.imports.tables import ProgramColumn, ProgramRow, ProgramTable, TableFile
 from pounding_cli.numbers import join_limited
 from pounding_cli.reading import shorten_path
 from pounding_cli.report.style import finish, grid, shared_legend, with_style
@@ -151,17 +151,16 @@ def read_curves(tables: TableFile, choices: Choices) -> tuple[list[PushoverCurve
     ------
     InputError : there is no such table, or a curve is none
     """
-    quantities = HEADINGS_OF_DIRECTION[choices.direction]
-    table = tables.find_table_with(STOREY_HEADINGS, quantities["drift"], quantities["shear"])
+    table = tables.find_table_with("storey", "drift", "shear")
     if table is None:
         there = [f"'{each.title}' with {', '.join(column.name for column in each.columns)}" for each in tables.tables]
         shown = join_limited([escape_controls(each) for each in there], 300)
         message = f"no table has the columns storey, drift and shear; the file has {shown}"
-        hint = "write a row for each storey and step, with the headings `storey, drift [mm], shear [kN]`"
+        hint = "write a row for each storey and step below `storey, drift [mm], shear [kN]`, or give --column drift=3"
         raise InputError(Problem(message, hint, shorten_path(tables.path)))
-    storey = table.get_column(STOREY_HEADINGS, "name of the storey")
-    drift = table.get_column(quantities["drift"], "interstorey drift")
-    shear = table.get_column(quantities["shear"], "storey shear")
+    storey = table.get_column("storey", "name of the storey")
+    drift = table.get_column("drift", "interstorey drift")
+    shear = table.get_column("shear", "storey shear")
     rows, case = select_case(table, shear, choices, "that pushes the frame over")
     if not rows:
         raise table.refuse("has no row", "write a row for each storey and step below the headings")
@@ -180,7 +179,7 @@ def _build_curve(
     table: ProgramTable, rows: Sequence[ProgramRow], name: str, drift: ProgramColumn, shear: ProgramColumn
 ) -> PushoverCurve:
     """Return a curve from the rows of a storey.  Raises InputError: it does not rise from the origin."""
-    step = table.find_column(STEP_NUMBER_HEADINGS)
+    step = table.find_column("step")
     if step is not None and all(table.read_text(row, step) for row in rows):
         rows = sorted(rows, key=lambda row: table.read_number(row, step))
     drifts = np.array([table.read_quantity(row, drift, "m") for row in rows])

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from pounding_cli.imports.building import Choices
-from pounding_cli.imports.headings import CASE_HEADINGS, TOWER_HEADINGS
-from pounding_cli.imports.tables import ProgramColumn, ProgramRow, ProgramTable, normalize_name
+from pounding_cli.imports.headings import normalize_name
+from pounding_cli.imports.tables import ProgramColumn, ProgramRow, ProgramTable
 from pounding_cli.numbers import join_limited, pluralize
 from pounding_cli.texts import escape_controls
 
-TOTALS = {"total", "totals", "grandtotal", "sum", "sums", "sumtotal", "summe", "gesamt", "somme", "suma", "toplam"}
+TOTALS = {"total", "totals", "sum"}
 """Names of rows that are sums of the others, by their letters."""
 
 
@@ -31,7 +31,7 @@ def leave_out_totals(
 
 def select_tower(table: ProgramTable, rows: Sequence[ProgramRow], choices: Choices) -> list[ProgramRow]:
     """Return the rows of the tower that is imported.  Raises InputError: there are several and none is chosen."""
-    column = table.find_column(TOWER_HEADINGS)
+    column = table.find_column("tower")
     if column is None:
         return list(rows)
     towers = [tower for tower in dict.fromkeys(table.read_text(row, column) for row in rows) if tower]
@@ -74,7 +74,7 @@ def read_positive(
     if si:
         value = table.read_quantity(row, column, si)
     else:
-        value = table.read_number(row, column) * (0.01 if column.unit.strip() == "%" else 1.0)
+        value = table.read_number(row, column) * column.factor * (0.01 if column.unit.strip() == "%" else 1.0)
     if value < 0.0 or (value == 0.0 and not may_be_zero):
         shown = table.read_text(row, column)
         raise table.refuse(f"{shown} is not above zero", "write what the model has there", row, column)
@@ -93,7 +93,7 @@ def select_case(
     ------
     InputError : there are several cases and none is chosen, or the chosen one is not there
     """
-    case = table.find_column(CASE_HEADINGS)
+    case = table.find_column("case")
     rows = select_tower(table, table.rows, choices)
     if case is None and choices.case:
         message = f"has no column of load cases, so that --case {escape_controls(choices.case)} has no effect"
@@ -119,5 +119,4 @@ def _is_filled(
     table: ProgramTable, rows: Sequence[ProgramRow], case: ProgramColumn, name: str, column: ProgramColumn
 ) -> bool:
     """Return whether a column holds numbers other than zero in the rows of a load case."""
-    texts = [table.read_text(row, column) for row in rows if table.read_text(row, case) == name]
-    return any(text not in ("", "0", "0.0") for text in texts)
+    return any(table.find_number(row, column) for row in rows if table.read_text(row, case) == name)

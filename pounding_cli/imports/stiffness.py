@@ -8,14 +8,9 @@ import numpy as np
 
 from pounding_cli.errors import InputError
 from pounding_cli.imports.building import Choices, ImportedBuilding
-from pounding_cli.imports.headings import (
-    HEADINGS_OF_DIRECTION,
-    STEP_NUMBER_HEADINGS,
-    STEP_TYPE_HEADINGS,
-    STOREY_HEADINGS,
-)
+from pounding_cli.imports.headings import normalize_name
 from pounding_cli.imports.rows import TOTALS, get_row, refuse_nameless, select_case
-from pounding_cli.imports.tables import ProgramColumn, ProgramRow, ProgramTable, normalize_name
+from pounding_cli.imports.tables import ProgramColumn, ProgramRow, ProgramTable
 from pounding_cli.numbers import join_limited
 from pounding_cli.texts import escape_controls
 
@@ -23,7 +18,7 @@ from pounding_cli.texts import escape_controls
 def read_stiffness(table: ProgramTable, column: ProgramColumn, building: ImportedBuilding, choices: Choices) -> None:
     """Set the storey stiffnesses of a building.  Raises InputError."""
     rows, case = select_case(table, column, choices, "whose forces follow the first mode")
-    storey = table.get_column(STOREY_HEADINGS, "name of the storey")
+    storey = table.get_column("storey", "name of the storey")
     refuse_nameless(table, rows, storey)
     by_name = _pick_step(table, rows, storey, column, choices)
     direction = choices.direction
@@ -36,7 +31,7 @@ def read_stiffness(table: ProgramTable, column: ProgramColumn, building: Importe
             hint = f"choose a load case that pushes along {direction} (--case), or the other direction (--direction)"
             raise table.refuse(message, hint, row, column)
         stiffnesses.append(value)
-        _compare_with_drift(table, row, column, name, building, direction)
+        _compare_with_drift(table, row, column, name, building)
     building.stiffness = np.array(stiffnesses)
     of_case = f", load case {escape_controls(case)}" if case else ""
     of_case += f", step {escape_controls(choices.step)}" if choices.step else ""
@@ -53,11 +48,7 @@ def _pick_step(
     table: ProgramTable, rows: Sequence[ProgramRow], storey: ProgramColumn, column: ProgramColumn, choices: Choices
 ) -> dict[str, ProgramRow]:
     """Return the row of each storey.  Raises InputError: rows of a storey differ, and no step is named."""
-    step_columns = [
-        each
-        for each in (table.find_column(STEP_TYPE_HEADINGS), table.find_column(STEP_NUMBER_HEADINGS))
-        if each is not None
-    ]
+    step_columns = [each for each in map(table.find_column, ("step type", "step")) if each is not None]
     if choices.step:
         rows = [row for row in rows if choices.step in [table.read_text(row, each) for each in step_columns]]
         if not rows:
@@ -78,11 +69,11 @@ def _pick_step(
 
 
 def _compare_with_drift(
-    table: ProgramTable, row: ProgramRow, column: ProgramColumn, name: str, building: ImportedBuilding, direction: str
+    table: ProgramTable, row: ProgramRow, column: ProgramColumn, name: str, building: ImportedBuilding
 ) -> None:
     """Warn where a stiffness is not the storey shear over the drift of its row."""
-    shear = table.find_column(HEADINGS_OF_DIRECTION[direction]["shear"][:1])
-    drift = table.find_column(HEADINGS_OF_DIRECTION[direction]["drift"][:1])
+    shear = table.find_column("shear")
+    drift = table.find_column("drift")
     if shear is None or drift is None:
         return
     try:

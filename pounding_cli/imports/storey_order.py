@@ -8,14 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from pounding_cli.imports.building import Choices
-from pounding_cli.imports.headings import (
-    CASE_HEADINGS,
-    ELEVATION_HEADINGS,
-    HEADINGS_OF_DIRECTION,
-    STIFFNESS_TABLES,
-    STOREY_HEADINGS,
-)
-from pounding_cli.imports.tables import ProgramColumn, ProgramRow, ProgramTable, TableFile, normalize_name
+from pounding_cli.imports.headings import STIFFNESS_TABLES, normalize_name
+from pounding_cli.imports.tables import ProgramColumn, ProgramRow, ProgramTable, TableFile
 
 
 def find_base_order(rows: Sequence[ProgramRow], bases: Sequence[ProgramRow]) -> list[str]:
@@ -37,22 +31,21 @@ def find_base_order_in_masses(mass_names: Sequence[str], names: Sequence[str]) -
 def find_shears(tables: TableFile, names: Sequence[str], choices: Choices) -> list[float]:
     """Return the storey shears of one load case, in the order of `names`; empty where the tables do not have them."""
     table = tables.find_table(STIFFNESS_TABLES)
-    column = table.find_column(HEADINGS_OF_DIRECTION[choices.direction]["shear"]) if table is not None else None
-    storey = table.find_column(STOREY_HEADINGS) if table is not None else None
+    column = table.find_column("shear") if table is not None else None
+    storey = table.find_column("storey") if table is not None else None
     if table is None or column is None or storey is None:
         return []
-    case = table.find_column(CASE_HEADINGS)
+    case = table.find_column("case")
     shears: dict[str, dict[str, float]] = {}
     for row in table.rows:
         name_of_case = table.read_text(row, case) if case is not None else ""
         if choices.case in ("", name_of_case):
-            try:
-                shear = abs(float(table.read_text(row, column)))
-            except ValueError:
+            shear = table.find_number(row, column)
+            if shear is None:
                 continue
             of_case = shears.setdefault(name_of_case, {})
             name = table.read_text(row, storey)
-            of_case[name] = max(shear, of_case.get(name, 0.0))
+            of_case[name] = max(abs(shear), of_case.get(name, 0.0))
     for of_case in shears.values():
         if all(name in of_case for name in names) and max(of_case.values()) > 0.0:
             return [of_case[name] for name in names]
@@ -77,7 +70,7 @@ def find_order(
     places = list(range(len(names)))
     if len(places) == 1:
         return places, "one storey"
-    elevation = table.find_column(ELEVATION_HEADINGS)
+    elevation = table.find_column("elevation")
     if elevation is not None:
         levels = [table.read_number(row, elevation) for row in rows]
         by_level = sorted(places, key=lambda place: levels[place])

@@ -13,17 +13,11 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.imports.building import Choices, ImportedBuilding
 from pounding_cli.imports.dynamics import read_eccentricity, read_period
 from pounding_cli.imports.headings import (
-    ELEVATION_HEADINGS,
-    HARDENING_HEADINGS,
-    HEADINGS_OF_DIRECTION,
-    HEIGHT_HEADINGS,
     HEIGHT_TABLES,
     MASS_TABLES,
     PERIOD_TABLES,
     STIFFNESS_TABLES,
-    STOREY_HEADINGS,
-    TOWER_HEADINGS,
-    YIELD_SHEAR_HEADINGS,
+    normalize_name,
 )
 from pounding_cli.imports.rows import get_row, leave_out_totals, read_positive, select_tower
 from pounding_cli.imports.stiffness import read_stiffness
@@ -34,7 +28,7 @@ from pounding_cli.imports.storey_order import (
     find_order,
     find_shears,
 )
-from pounding_cli.imports.tables import ProgramColumn, ProgramRow, ProgramTable, TableFile, normalize_name
+from pounding_cli.imports.tables import ProgramColumn, ProgramRow, ProgramTable, TableFile
 from pounding_cli.numbers import join_limited
 from pounding_cli.reading import shorten_path
 from pounding_cli.texts import escape_controls
@@ -58,30 +52,29 @@ def read_building(tables: TableFile, choices: Choices, needs_stiffness: bool = T
     ------
     InputError : a table, column, row or number is missing or wrong, by name
     """
-    quantities = HEADINGS_OF_DIRECTION[choices.direction]
-    plain = _find_plain_table(tables, choices, needs_stiffness)
+    plain = _find_plain_table(tables, needs_stiffness)
     if plain is not None:
         building = _read_plain_table(plain, choices, needs_stiffness)
     else:
-        _refuse_missing_columns(tables, choices, needs_stiffness)
+        _refuse_missing_columns(tables, needs_stiffness)
         _refuse_missing_tables(tables, needs_stiffness)
         building = _read_storeys(tables, choices)
         if needs_stiffness:
             table = _get_table(tables, STIFFNESS_TABLES)
-            read_stiffness(table, table.get_column(quantities["stiffness"][:2], "storey stiffness"), building, choices)
+            read_stiffness(table, table.get_column("stiffness", "storey stiffness"), building, choices)
     read_eccentricity(tables, building, choices)
     read_period(tables, building, choices)
     if choices.tower:
         building.notes.append(f"tower: {escape_controls(choices.tower)}")
     _refuse_options_without_effect(tables, choices)
-    note_decimals(tables, building)
+    warn_three_decimals(tables, building)
     _warn_below_ground(building)
     return building
 
 
 def _refuse_options_without_effect(tables: TableFile, choices: Choices) -> None:
     """Raise InputError where a tower or mode is chosen and no table has any."""
-    if choices.tower and not any(table.find_column(TOWER_HEADINGS) for table in tables.tables):
+    if choices.tower and not any(table.find_column("tower") for table in tables.tables):
         message = f"no table has a column Tower, so that --tower {escape_controls(choices.tower)} has no effect"
         raise InputError(Problem(message, "leave --tower out", shorten_path(tables.path)))
     if choices.mode is not None and tables.find_table(PERIOD_TABLES) is None:
@@ -89,17 +82,13 @@ def _refuse_options_without_effect(tables: TableFile, choices: Choices) -> None:
         raise InputError(Problem(message, "export it too, or leave --mode out", shorten_path(tables.path)))
 
 
-def note_decimals(tables: TableFile, building: ImportedBuilding) -> None:
-    """Note how the numbers of the files were read, where they have decimal commas or could be read in another way."""
-    for decimals in tables.list_decimals():
-        if decimals.example:
-            building.notes.append(f"decimal commas: '{decimals.example}' is {decimals.example.replace(',', '.')}")
-        if decimals.is_ambiguous:
-            sign = "comma" if decimals.example else "point"
-            building.warnings.append(
-                f"three digits stand behind every {sign} of {shorten_path(tables.path)}; it is taken for a decimal "
-                "sign: where it parts thousands, take it out"
-            )
+def warn_three_decimals(tables: TableFile, building: ImportedBuilding) -> None:
+    """Warn where every point of a text file may part thousands, as it does where commas are decimal signs."""
+    for path in dict.fromkeys(table.path for table in tables.tables if table.may_have_thousands):
+        building.warnings.append(
+            f"three digits stand behind every point of {shorten_path(path)}; it is taken for a decimal sign, as "
+            "--decimal '.' says; where it parts thousands, give --thousands '.'"
+        )
 
 
 def _warn_below_ground(building: ImportedBuilding) -> None:
@@ -111,27 +100,22 @@ def _warn_below_ground(building: ImportedBuilding) -> None:
         building.warnings.append(f"{listed} {verb} as if below the ground; {BELOW_GROUND_HINT}")
 
 
-def _refuse_missing_columns(tables: TableFile, choices: Choices, needs_stiffness: bool) -> None:
+def _refuse_missing_columns(tables: TableFile, needs_stiffness: bool) -> None:
     """Raise InputError with the columns that a plain table lacks, unless the file has tables of a frame program."""
     if any(tables.find_table(names) for names in (HEIGHT_TABLES, MASS_TABLES, STIFFNESS_TABLES)):
         return
-    quantities = HEADINGS_OF_DIRECTION[choices.direction]
-    wanted = [
-        (("Storey", *STOREY_HEADINGS), "name of the storey"),
-        (HEIGHT_HEADINGS, "storey height"),
-        (("Mass", *quantities["mass"]), "mass of the floor"),
-    ]
+    wanted = {"storey": "name of the storey", "height": "storey height", "mass": "mass of the floor"}
     if needs_stiffness:
-        wanted.append((("Stiffness", *quantities["stiffness"]), "storey stiffness"))
-    counts = [sum(table.find_column(names) is not None for names, _ in wanted) for table in tables.tables]
+        wanted["stiffness"] = "storey stiffness"
+    counts = [sum(table.find_column(each) is not None for each in wanted) for table in tables.tables]
     best = int(np.argmax(counts))
     is_one_table = len(tables.tables) == 1 and needs_stiffness
     if counts[best] < 2 and not is_one_table:
         return
     problems: list[Problem] = []
-    for names, meaning in wanted:
+    for quantity, meaning in wanted.items():
         try:
-            tables.tables[best].get_column(names, meaning)
+            tables.tables[best].get_column(quantity, meaning)
         except InputError as error:
             problems += error.problems
     if problems:
@@ -163,38 +147,34 @@ def _get_table(tables: TableFile, names: Sequence[str]) -> ProgramTable:
     return table
 
 
-def _find_plain_table(tables: TableFile, choices: Choices, needs_stiffness: bool) -> ProgramTable | None:
+def _find_plain_table(tables: TableFile, needs_stiffness: bool) -> ProgramTable | None:
     """Return a table that has storeys, heights and masses together; None where there is none."""
-    quantities = HEADINGS_OF_DIRECTION[choices.direction]
-    wanted = [STOREY_HEADINGS, HEIGHT_HEADINGS, quantities["mass"]]
     if tables.find_table(HEIGHT_TABLES) is not None:
         return None
-    with_stiffness = tables.find_table_with(*wanted, quantities["stiffness"])
-    if with_stiffness is not None or needs_stiffness:
-        return with_stiffness or tables.find_table_with(*wanted)
-    return tables.find_table_with(*wanted)
+    wanted = ("storey", "height", "mass")
+    with_stiffness = tables.find_table_with(*wanted, "stiffness") if needs_stiffness else None
+    return with_stiffness or tables.find_table_with(*wanted)
 
 
 def _read_plain_table(table: ProgramTable, choices: Choices, needs_stiffness: bool) -> ImportedBuilding:
     """Return a building from one table with a row for each storey.  Raises InputError."""
-    quantities = HEADINGS_OF_DIRECTION[choices.direction]
     for option, value in (("--case", choices.case), ("--step", choices.step)):
         if value and needs_stiffness:
             message = f"has a row for each storey and no load cases, so that {option} {value} has no effect"
             raise table.refuse(message, f"leave {option} out")
-    storey = table.get_column(STOREY_HEADINGS, "name of the storey")
+    storey = table.get_column("storey", "name of the storey")
     rows, notes = leave_out_totals(table, select_tower(table, table.rows, choices), storey)
     if not rows:
         raise table.refuse("has no row of a storey", "write one for each storey below the headings")
     columns = {
-        "height": (table.get_column(HEIGHT_HEADINGS, "storey height"), "m"),
-        "mass": (table.get_column(quantities["mass"], "mass of the floor"), "kg"),
+        "height": (table.get_column("height", "storey height"), "m"),
+        "mass": (table.get_column("mass", "mass of the floor"), "kg"),
     }
     if needs_stiffness:
-        columns["stiffness"] = (table.get_column(quantities["stiffness"], "storey stiffness"), "N/m")
-    for key, headings, si in (("yield_shear", YIELD_SHEAR_HEADINGS, "N"), ("hardening", HARDENING_HEADINGS, "")):
-        if table.find_column(headings) is not None and needs_stiffness:
-            columns[key] = (table.get_column(headings, key.replace("_", " ")), si)
+        columns["stiffness"] = (table.get_column("stiffness", "storey stiffness"), "N/m")
+    for quantity, si in (("yield shear", "N"), ("hardening", "")):
+        if table.find_column(quantity) is not None and needs_stiffness:
+            columns[quantity] = (table.get_column(quantity, quantity), si)
     names = [table.read_text(row, storey) for row in rows]
     _refuse_twice(table, rows, storey, names)
     place_of, reason = find_order(table, rows, storey, names, [], choices)
@@ -202,16 +182,20 @@ def _read_plain_table(table: ProgramTable, choices: Choices, needs_stiffness: bo
     values: dict[str, Any] = {}
     notes.append(f"order of the storeys: {reason}")
     for key, (column, si) in columns.items():
-        values[key] = np.array([read_positive(table, row, column, si, key == "hardening") for row in ordered])
-        notes.append(f"{key.replace('_', ' ')}: {table.describe_column(column)}")
+        numbers = [read_positive(table, row, column, si, key == "hardening") for row in ordered]
+        values[key.replace(" ", "_")] = np.array(numbers)
+        notes.append(f"{key}: {table.describe_column(column)}")
     if "hardening" in values:
         _refuse_large_hardening(table, ordered, columns["hardening"][0], values["hardening"])
+    if titles := table.list_unread_titles():
+        notes.append(f"not read: {join_limited([repr(escape_controls(each)) for each in titles], 300)}")
     taken = [storey.place, *(column.place for column, _ in columns.values())]
     unused = [each.name for each in table.columns if each.place not in taken and needs_stiffness]
     if unused:
         notes.append(f"columns left out: {join_limited([escape_controls(name) for name in unused], 300)}")
     building = ImportedBuilding(tuple(names[place] for place in place_of), notes=notes, **values)
     _warn_gaps_in_numbers(building)
+    _warn_total(building)
     return building
 
 
@@ -223,6 +207,16 @@ def _refuse_large_hardening(
         if ratio >= 1.0:
             message = f"{table.read_text(row, column)} is no hardening ratio, which is below 1"
             raise table.refuse(message, f"write 0.05, or percent as `{column.name} [%]`", row, column)
+
+
+def _warn_total(building: ImportedBuilding) -> None:
+    """Warn where a storey has the height and the mass of all others together, as a row of totals has."""
+    for name, height, mass in zip(building.names, building.height, building.mass, strict=True):
+        others = (building.height.sum() - height, building.mass.sum() - mass)
+        if len(building.names) > 2 and np.allclose(others, (height, mass), rtol=1e-3, atol=0.0):
+            building.warnings.append(
+                f"storey '{escape_controls(name)}' has the height and the mass of all others together: is it a total?"
+            )
 
 
 def _warn_gaps_in_numbers(building: ImportedBuilding) -> None:
@@ -240,8 +234,8 @@ def _warn_gaps_in_numbers(building: ImportedBuilding) -> None:
 def _read_storeys(tables: TableFile, choices: Choices) -> ImportedBuilding:
     """Return heights and masses from the tables of ETABS.  Raises InputError."""
     table = _get_table(tables, HEIGHT_TABLES)
-    storey = table.get_column(STOREY_HEADINGS, "name of the storey")
-    height = table.get_column(HEIGHT_HEADINGS, "storey height")
+    storey = table.get_column("storey", "name of the storey")
+    height = table.get_column("height", "storey height")
     rows = [row for row in select_tower(table, table.rows, choices) if table.read_text(row, storey)]
     rows, notes = leave_out_totals(table, rows, storey)
     bases = [row for row in rows if _is_base(table, row, storey, height)]
@@ -251,7 +245,7 @@ def _read_storeys(tables: TableFile, choices: Choices) -> ImportedBuilding:
         raise table.refuse("has no storey", "export it with a row for each storey")
     _refuse_twice(table, above, storey, names)
     mass_table = _get_table(tables, MASS_TABLES)
-    mass_storey = mass_table.get_column(STOREY_HEADINGS, "name of the storey")
+    mass_storey = mass_table.get_column("storey", "name of the storey")
     mass_rows = select_tower(mass_table, mass_table.rows, choices)
     mass_rows, mass_notes = leave_out_totals(mass_table, mass_rows, mass_storey)
     mass_names = [mass_table.read_text(row, mass_storey) for row in mass_rows]
@@ -261,7 +255,7 @@ def _read_storeys(tables: TableFile, choices: Choices) -> ImportedBuilding:
     ordered = [above[place] for place in place_of]
     ordered_names = tuple(names[place] for place in place_of)
     heights = np.array([read_positive(table, row, height, "m") for row in ordered])
-    mass_column = mass_table.get_column(HEADINGS_OF_DIRECTION[choices.direction]["mass"][:3], "mass of the floor")
+    mass_column = mass_table.get_column("mass", "mass of the floor")
     by_name = dict(zip(mass_names, mass_rows, strict=True))
     masses = [
         read_positive(mass_table, get_row(mass_table, by_name, name), mass_column, "kg") for name in ordered_names
@@ -300,7 +294,7 @@ def _check_elevations(
     ------
     InputError : an elevation is not that of the storey below plus a height
     """
-    column = table.find_column(ELEVATION_HEADINGS)
+    column = table.find_column("elevation")
     if column is None:
         return
     elevations = [table.read_quantity(row, column, "m") for row in ordered]
@@ -318,7 +312,7 @@ def _is_base(table: ProgramTable, row: ProgramRow, storey: ProgramColumn, height
     """Return whether a row is the base, which has no storey below it."""
     if table.read_text(row, height) not in ("", "0"):
         return False
-    elevation = table.find_column(ELEVATION_HEADINGS)
+    elevation = table.find_column("elevation")
     if elevation is None:
         return normalize_name(table.read_text(row, storey)) == "base"
     lowest = min(table.read_number(each, elevation) for each in table.rows)

@@ -1,22 +1,28 @@
-"""Tables that frame programs export, as an Excel workbook or CSV files: found by names that differ by version."""
+"""Tables that frame programs export, as an Excel workbook or CSV files, and tables of one's own.
+
+Those of ETABS and SAP2000 are known by their titles and headings. In any other table the heading of a column is the
+name of what it holds, or its column is declared. Cells of text files are those of `cells`.
+"""
 
 from __future__ import annotations
 
-import csv
 import hashlib
 import io
 import itertools
 import math
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from pounding_cli.cells import BLANKS, Grammar, hint_options, load_text
 from pounding_cli.errors import InputError, Problem
+from pounding_cli.imports.declared import GRAVITIES, ColumnSource, TableDeclaration
+from pounding_cli.imports.headings import is_named, list_headings, normalize_name
 from pounding_cli.imports.units import NO_UNITS, SYSTEM_HINT, find_factor, is_unit
-from pounding_cli.numbers import join_limited
+from pounding_cli.numbers import join_limited, pluralize
 from pounding_cli.reading import read_bytes, shorten_path
 from pounding_cli.texts import escape_controls
 
@@ -39,23 +45,20 @@ ProgramRow = tuple[int, tuple[Any, ...]]
 """Number of a row in its file, from 1, and its cells."""
 
 
-def normalize_name(text: str) -> str:
-    """Return the letters and digits of a name in lower case: `Stiff X` and `StiffX` are one."""
-    return re.sub(r"[^a-z0-9]+", "", text.lower())
-
-
-@dataclass
+@dataclass(frozen=True)
 class ProgramColumn:
     """A column of a table.
 
     name : as its heading says
     place : its number, from 0
     unit : as the table writes it; "" where it writes none
+    factor : by which its numbers are multiplied (`ColumnSource`)
     """
 
     name: str
     place: int
     unit: str
+    factor: float = 1.0
 
 
 @dataclass
@@ -64,10 +67,10 @@ class ProgramTable:
 
     title : of its first row, or the name of its sheet or file
     path : of its file
-    sheet : of a workbook; "" for a CSV file
+    sheet : of a workbook; "" for a text file
     load_rows : returns all rows of the sheet or file
-    system : factors to SI of columns without a unit, by SI unit; empty: they are refused
-    decimals : how the numbers of its file are written
+    grammar : how numbers in cells of text are written
+    declared : of it
     """
 
     title: str
@@ -75,8 +78,23 @@ class ProgramTable:
     sheet: str
     first_rows: tuple[ProgramRow, ...]
     load_rows: Callable[[], Iterable[ProgramRow]]
-    system: dict[str, float]
-    decimals: Decimals = field(default_factory=lambda: Decimals("", False))
+    grammar: Grammar
+    declared: TableDeclaration
+
+    @cached_property
+    def headings(self) -> Mapping[str, tuple[str, ...]]:
+        """The headings that its columns have, by quantity."""
+        return list_headings((self.title, self.sheet), self.declared.direction)
+
+    @property
+    def sources(self) -> Mapping[str, ColumnSource]:
+        """The columns that are declared; tables of programs are known."""
+        return {} if self.is_of_program else self.declared.sources
+
+    @property
+    def is_of_program(self) -> bool:
+        """Whether it is a table of ETABS or SAP2000."""
+        return "mode" in self.headings
 
     @cached_property
     def _head(self) -> tuple[int, ProgramRow, ProgramRow | None]:
@@ -91,8 +109,10 @@ class ProgramTable:
 
     @cached_property
     def columns(self) -> tuple[ProgramColumn, ...]:
-        """Its columns that have a heading."""
+        """Its columns that have a heading; none where the row of headings holds numbers."""
         _, (_, headings), units_row = self._head
+        if any(self._parse(heading) is not None for heading in headings):
+            return ()
         columns = []
         for place, heading in enumerate(headings):
             name = format_cell(heading)
@@ -108,55 +128,117 @@ class ProgramTable:
 
     @cached_property
     def rows(self) -> tuple[ProgramRow, ...]:
-        """Its rows of values that are not empty.  Raises InputError: too many."""
+        """Its rows of values that are not empty.
+
+        Raises
+        ------
+        InputError : too many, or in a text file one with more or fewer cells than headings
+        """
         skipped = self._head[0]
         rows: list[ProgramRow] = []
         filled = (row for row in self.load_rows() if count_filled(row))
         for place, row in enumerate(filled):
             if place >= skipped:
+                self._check_width(row)
                 rows.append(row)
             if len(rows) > MAX_ROWS:
                 raise self.refuse(f"has more than {MAX_ROWS} rows", "export the tables of storeys alone")
         return tuple(rows)
+
+    def _check_width(self, row: ProgramRow) -> None:
+        """Raise InputError where a row of a text file has not one cell for each heading."""
+        width = len(self._head[1][1])
+        beyond = [place for place, cell in enumerate(row[1]) if place >= width and format_cell(cell)]
+        if self.sheet or (len(row[1]) >= width and not beyond):
+            return
+        message = f"{self.words}, row {row[0]}: {pluralize(len(row[1]), 'cell')} below {pluralize(width, 'heading')}"
+        hint = (
+            "write one cell for each heading, and quotes around one with a comma; --separator and --decimal say what "
+            "the signs mean"
+        )
+        raise InputError(Problem(message, hint, shorten_path(self.path), row[0], beyond[0] + 1 if beyond else 1))
+
+    @property
+    def may_have_thousands(self) -> bool:
+        """Whether commas part no cells of a text, no sign is declared, and three digits follow every point."""
+        if self.sheet or self.grammar.separator == "," or self.declared.decimal or self.declared.thousands:
+            return False
+        cells = [cell for _, row in self.load_rows() for cell in row if re.fullmatch(r"[-+]?\d+\.\d+", cell)]
+        return bool(cells) and all(re.fullmatch(r"[-+]?[1-9]\d{0,2}\.\d{3}", cell) for cell in cells)
 
     @property
     def words(self) -> str:
         """The table in words: its sheet, or its file."""
         return f"sheet '{self.sheet}'" if self.sheet else f"'{self.title}'"
 
-    def find_column(self, names: Sequence[str]) -> ProgramColumn | None:
-        """Return the first column of one of these names, by letters and digits alone; None where there is none."""
-        for name in names:
+    def find_column(self, quantity: str) -> ProgramColumn | None:
+        """Return the column of a quantity, as declared or by its heading; None where there is none."""
+        source = self.sources.get(quantity)
+        if source is not None and (declared := self._find_source(source)) is not None:
+            return declared
+        for name in self.headings.get(quantity, ()):
             for column in self.columns:
                 if normalize_name(column.name) == normalize_name(name):
                     return column
         return None
 
-    def get_column(self, names: Sequence[str], meaning: str) -> ProgramColumn:
-        """Return the column of one of these names.
+    def _find_source(self, source: ColumnSource) -> ProgramColumn | None:
+        """Return the column that is declared; None where the table does not have it."""
+        for column in self.columns:
+            if column.place == source.place or (
+                source.heading and normalize_name(column.name) == normalize_name(source.heading)
+            ):
+                source.is_used = True
+                return replace(column, unit=self._agree_on_unit(column, source), factor=source.factor)
+        return None
+
+    def _agree_on_unit(self, column: ProgramColumn, source: ColumnSource) -> str:
+        """Return the unit of a column that is declared.  Raises InputError: the table names another."""
+        has_none = column.unit.strip().lower() in NO_UNITS
+        if not source.unit or has_none or normalize_name(source.unit) == normalize_name(column.unit):
+            return source.unit or column.unit
+        message = f"column '{column.name}' of {self.words} is in {column.unit}, and '{source.written}' says otherwise"
+        raise InputError(Problem(message, "leave the unit out, or correct the table", shorten_path(self.path)))
+
+    def get_column(self, quantity: str, meaning: str) -> ProgramColumn:
+        """Return the column of a quantity.
 
         Raises
         ------
-        InputError : there is none, with the columns that are there
+        InputError : there is none, with the columns that are there; or several are named so
         """
-        column = self.find_column(names)
+        column = self.find_column(quantity)
+        line = self._head[1][0]
+        headings = self.headings.get(quantity, (quantity,))
         if column is None:
-            there = join_limited([escape_controls(each.name) for each in self.columns], 300)
-            message = f"{self.words} has no column '{names[0]}' ({meaning}); it has {there}"
-            headings = ", ".join(dict.fromkeys(names))
-            hint = f"export it with one of the headings {headings}; a unit stands in brackets or in the row below"
-            raise InputError(Problem(message, hint, shorten_path(self.path), self._head[1][0], 1))
+            there = join_limited([f"{each.place + 1} '{escape_controls(each.name)}'" for each in self.columns], 300)
+            message = f"{self.words} has no column '{headings[0]}' ({meaning}); it has {there or 'no headings'}"
+            hint = f"export it with one of the headings {', '.join(headings)}"
+            if not self.is_of_program:
+                hint = f"name the heading {headings[0]}, or declare its column: --column '{quantity}=HEADING', or {{}}"
+                hint = hint.format(f"its number, '{quantity}=2'")
+            raise InputError(Problem(message, hint, shorten_path(self.path), line, 1))
         alike = [each for each in self.columns if normalize_name(each.name) == normalize_name(column.name)]
-        if len(alike) > 1:
+        is_by_number = quantity in self.sources and self.sources[quantity].place >= 0
+        if len(alike) > 1 and not is_by_number:
             message = f"{self.words} has {len(alike)} columns '{escape_controls(column.name)}' ({meaning})"
             hint = "leave the one that counts, or give the others another heading"
-            place = alike[1].place + 1
-            raise InputError(Problem(message, hint, shorten_path(self.path), self._head[1][0], place))
+            raise InputError(Problem(message, hint, shorten_path(self.path), line, alike[1].place + 1))
         return column
 
     def read_text(self, row: ProgramRow, column: ProgramColumn) -> str:
         """Return a cell as text; "" where it is empty."""
         return format_cell(row[1][column.place]) if column.place < len(row[1]) else ""
+
+    def _parse(self, cell: Any) -> float | None:
+        """Return the finite number of a cell; None where it is none."""
+        if isinstance(cell, int | float) and not isinstance(cell, bool):
+            return float(cell) if math.isfinite(cell) else None
+        return self.grammar.parse(format_cell(cell))
+
+    def find_number(self, row: ProgramRow, column: ProgramColumn) -> float | None:
+        """Return a cell as a number in the unit of the table; None where it is none."""
+        return self._parse(row[1][column.place]) if column.place < len(row[1]) else None
 
     def read_number(self, row: ProgramRow, column: ProgramColumn) -> float:
         """Return a cell as a number in the unit of the table.
@@ -165,17 +247,16 @@ class ProgramTable:
         ------
         InputError : it is empty, or not a finite number
         """
-        text = self.read_text(row, column)
-        try:
-            number = float(text)
-        except ValueError:
-            number = math.nan
-        if math.isfinite(number):
+        number = self.find_number(row, column)
+        if number is not None:
             return number
+        text = self.read_text(row, column)
         if not text:
             raise self.refuse("is empty", "export the table with its results, or write the number", row, column)
-        hint = "write a plain number with a decimal point"
-        raise self.refuse(f"'{escape_controls(text[:60])}' is not a number", hint, row, column)
+        fault = replace(self.grammar, separator=BLANKS).describe_fault(text)  # in quotes a cell may have any sign
+        plain = "write a plain number with a decimal point; its unit stands behind the heading, or below it"
+        hint = hint_options(fault) or plain
+        raise self.refuse(escape_controls(fault.message), escape_controls(hint), row, column)
 
     def read_quantity(self, row: ProgramRow, column: ProgramColumn, si: str) -> float:
         """Return a cell in SI.
@@ -186,17 +267,28 @@ class ProgramTable:
         ------
         InputError : it is not a number, or its unit is missing or another
         """
-        return self.read_number(row, column) * self.find_factor_of(column, si)
+        return self.read_number(row, column) * self.find_factor_of(column, si) * column.factor
 
     def find_factor_of(self, column: ProgramColumn, si: str) -> float:
-        """Return one unit of a column in SI.  Raises InputError: its unit is missing or of another quantity."""
+        """Return one unit of a column in SI; of weights that are divided by g, the unit of force.
+
+        Raises
+        ------
+        InputError : its unit is missing or of another quantity
+        """
+        line = self._head[1][0]
+        is_weight = si == "kg" and column.factor != 1.0
         if column.unit.strip().lower() in NO_UNITS:
-            if si in self.system:
-                return self.system[si]
+            if si in self.declared.system and not is_weight:
+                return self.declared.system[si]
             message = f"column '{column.name}' of {self.words} has no unit"
-            hint = f"write it below the heading or behind it, `{column.name} [{si}]`, or {SYSTEM_HINT}"
-            raise InputError(Problem(message, hint, shorten_path(self.path), self._head[1][0], column.place + 1))
+            example = "kN" if is_weight else si
+            hint = f"write it below the heading or behind it, `{column.name} [{example}]`, or {SYSTEM_HINT}"
+            raise InputError(Problem(message, hint, shorten_path(self.path), line, column.place + 1))
         factor = find_factor(column.unit, si)
+        force = find_factor(column.unit, "N") if si == "kg" else None
+        if factor is None and force is not None and GRAVITIES[0] <= 1.0 / column.factor <= GRAVITIES[1]:
+            return force
         if factor is None:
             quantity = QUANTITY_OF_UNIT[si]
             message = (
@@ -204,8 +296,8 @@ class ProgramTable:
             )
             units_row = self._head[2] or self._head[1]
             hint = f"write a unit of {quantity} there, e.g. {si}"
-            if si == "kg" and find_factor(column.unit, "N") is not None:
-                hint += "; a weight is a mass times g: divide it by 9.81 m/s²"
+            if force is not None:
+                hint += f"; a weight is a mass times g, in m/s²: --column 'mass={column.name}/9.81'"
             raise InputError(Problem(message, hint, shorten_path(self.path), units_row[0], column.place + 1))
         return factor
 
@@ -222,19 +314,13 @@ class ProgramTable:
     def describe_column(self, column: ProgramColumn) -> str:
         """Return table, column and unit in words."""
         unit = f" [{column.unit}]" if column.unit.strip().lower() not in NO_UNITS else ""
-        return f"'{self.title}', column {column.name}{unit}"
+        times = "" if column.factor == 1.0 else f" x {column.factor:.6g}"
+        return f"'{self.title}', column {column.name}{unit}{times}"
 
-
-@dataclass(frozen=True)
-class Decimals:
-    """How the numbers of a CSV file are written.
-
-    example : a number with a decimal comma; "" where decimal signs are points
-    is_ambiguous : True where the sign of every number may part thousands: three digits follow each one
-    """
-
-    example: str
-    is_ambiguous: bool
+    def list_unread_titles(self) -> list[str]:
+        """Return the cells of the rows above the headings."""
+        above = itertools.takewhile(lambda row: row[0] < self._head[1][0], self.first_rows)
+        return [format_cell(cell) for row in above for cell in row[1] if format_cell(cell)]
 
 
 def _is_row_of_units(headings: ProgramRow, row: ProgramRow) -> bool:
@@ -282,26 +368,20 @@ class TableFile:
         ------
         InputError : several tables have the name
         """
-        wanted = [normalize_name(name) for name in names]
-        for name in wanted:
-            found = []
-            for table in self.tables:
-                titles = {normalize_name(table.title), normalize_name(table.sheet)}
-                is_cut = len(table.sheet) == 31 and name.startswith(normalize_name(table.sheet))
-                if name in titles or is_cut:
-                    found.append(table)
+        for name in names:
+            found = [table for table in self.tables if is_named(table.title, name) or is_named(table.sheet, name)]
             if found:
                 return self._take_only(found)
         return None
 
-    def find_table_with(self, *columns: Sequence[str]) -> ProgramTable | None:
-        """Return the table that has a column of each of these lists of names; None where there is none.
+    def find_table_with(self, *quantities: str) -> ProgramTable | None:
+        """Return the table that has a column of each of these quantities; None where there is none.
 
         Raises
         ------
         InputError : there are several
         """
-        found = [table for table in self.tables if all(table.find_column(names) for names in columns)]
+        found = [table for table in self.tables if all(table.find_column(each) for each in quantities)]
         return self._take_only(found) if found else None
 
     def _take_only(self, found: Sequence[ProgramTable]) -> ProgramTable:
@@ -311,10 +391,6 @@ class TableFile:
         names = [escape_controls(table.sheet or table.path.name) for table in found]
         message = f"{len(found)} tables could be meant: {join_limited(names, 300)}"
         raise InputError(Problem(message, "leave one of them in the file or folder", shorten_path(self.path)))
-
-    def list_decimals(self) -> list[Decimals]:
-        """Return how the numbers of its files are written, each way once."""
-        return list(dict.fromkeys(table.decimals for table in self.tables))
 
     def list_titles(self) -> str:
         """Return the titles of its tables in words."""
@@ -326,37 +402,34 @@ class TableFile:
         return [(path.name, hashlib.sha256(path.read_bytes()).hexdigest()) for path in paths]
 
 
-def read_tables(path: Path, system: dict[str, float] | None = None) -> TableFile:
+def read_tables(path: Path, declared: TableDeclaration) -> TableFile:
     """Return the tables of a workbook, a CSV file, or a folder of CSV files.
-
-    system : factors to SI of columns without a unit, by SI unit
 
     Raises
     ------
     InputError : there is no such file, it cannot be read, or it holds no table
     """
-    units = system or {}
     if path.is_dir():
         files = sorted(each for each in path.iterdir() if each.suffix.lower() == ".csv")
-        tables = [table for each in files for table in _iter_csv_tables(each, units)]
+        tables = [table for each in files for table in _iter_text_tables(each, declared)]
         if not tables:
             hint = "export the tables as CSV into it, one file a table, or name a workbook"
             raise InputError(Problem("the folder holds no CSV file with a table", hint, shorten_path(path)))
         return TableFile(path, tuple(tables))
     content = read_bytes(path, MAX_FILE_SIZE, "file of tables, .xlsx or .csv,")
     if content.startswith(b"PK\x03\x04"):
-        tables = list(_iter_sheets(path, content, units))
+        tables = list(_iter_sheets(path, content, declared))
     elif content.startswith(b"\xd0\xcf\x11\xe0"):
         message = "this is a workbook of an old version of Excel, or one with a password"
         raise InputError(Problem(message, "save it as .xlsx without a password", shorten_path(path)))
     else:
-        tables = list(_iter_csv_tables(path, units))
+        tables = list(_iter_text_tables(path, declared))
     if not tables:
         raise InputError(Problem("the file holds no table", "export it with headings and rows", shorten_path(path)))
     return TableFile(path, tuple(tables))
 
 
-def _iter_sheets(path: Path, content: bytes, system: dict[str, float]) -> Iterator[ProgramTable]:
+def _iter_sheets(path: Path, content: bytes, declared: TableDeclaration) -> Iterator[ProgramTable]:
     """Yield the tables of a workbook, a sheet each.
 
     Raises
@@ -389,7 +462,8 @@ def _iter_sheets(path: Path, content: bytes, system: dict[str, float]) -> Iterat
     for sheet, first_rows in sheets:
         if first_rows:
             title = _find_title(first_rows, sheet.title)
-            yield ProgramTable(title, path, sheet.title, first_rows, _sheet_loader(sheet), system)
+            loader = _sheet_loader(sheet)
+            yield ProgramTable(title, path, sheet.title, first_rows, loader, declared.build_grammar(), declared)
 
 
 def _sheet_loader(sheet: Any) -> Callable[[], Iterable[ProgramRow]]:
@@ -424,62 +498,18 @@ def _find_title(first_rows: Sequence[ProgramRow], name: str) -> str:
     return re.sub(r"^table\s*:\s*", "", title, flags=re.IGNORECASE).strip() or name
 
 
-def _iter_csv_tables(path: Path, system: dict[str, float]) -> Iterator[ProgramTable]:
-    """Yield the table of a CSV file; none where it is empty.
+def _iter_text_tables(path: Path, declared: TableDeclaration) -> Iterator[ProgramTable]:
+    """Yield the table of a text file; none where its lines are blank or begin with #.
 
     Raises
     ------
     InputError : it is not text
     """
-    content = read_bytes(path, MAX_FILE_SIZE, "CSV file")
-    try:
-        text = content.decode("utf-16" if content[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig")
-    except UnicodeDecodeError:
-        text = content.decode("cp1252", errors="replace")
-    if "\0" in text:
-        raise InputError(Problem("this is not a text file", "name a CSV file or an .xlsx workbook", shorten_path(path)))
-    rows, decimals = _split_csv(text)
+    text = load_text(path, "table")
+    grammar = declared.build_grammar(text)
+    lines = [(number, line) for number, line in enumerate(text.lines, 1) if line.strip() and not line.startswith("#")]
+    rows = [(number, tuple(grammar.split_row(line))) for number, line in lines]
     first_rows = tuple(_iter_first_rows(rows))
     if first_rows:
-        yield ProgramTable(_find_title(first_rows, path.stem), path, "", first_rows, lambda: rows, system, decimals)
-
-
-def _split_csv(text: str) -> tuple[list[ProgramRow], Decimals]:
-    """Return the rows of a CSV file, whose columns are parted by commas, semicolons or tabs, and how it writes numbers.
-
-    Where they are parted by semicolons or tabs and no cell has a decimal point, commas in numbers are decimal signs.
-    """
-    delimiter = max(",;\t", key=lambda sign: text[:5000].count(sign))
-    for sign in ";\t":  # with decimal commas a line may have more commas than semicolons
-        if text[:5000].count(sign) >= max(text[:5000].count("\n"), 1):
-            delimiter = sign
-    lines = text.splitlines()
-    rows = [(reader_line, tuple(cells)) for reader_line, cells in _iter_csv_lines(lines, delimiter)]
-    is_decimal_comma = delimiter != "," and not any(
-        re.fullmatch(r"\s*-?\d*\.\d+(e[-+]?\d+)?\s*", cell, re.IGNORECASE) for _, cells in rows for cell in cells
-    )
-    sign = "," if is_decimal_comma else r"\."
-    numbers = [cell.strip() for _, cells in rows for cell in cells if re.fullmatch(rf"\s*[-+]?\d+{sign}\d+\s*", cell)]
-    is_ambiguous = bool(numbers) and all(re.fullmatch(rf"[-+]?[1-9]\d{{0,2}}{sign}\d{{3}}", each) for each in numbers)
-    if not is_decimal_comma:
-        return rows, Decimals("", is_ambiguous and delimiter != ",")
-    example = numbers[0] if numbers else ""
-    replaced = [(number, tuple(map(_replace_decimal_comma, cells))) for number, cells in rows]
-    return replaced, Decimals(example, is_ambiguous)
-
-
-def _iter_csv_lines(lines: Sequence[str], delimiter: str) -> Iterator[tuple[int, list[str]]]:
-    """Yield the cells of every line with its number; lines that begin with # are left out."""
-    reader = csv.reader(("" if line.startswith("#") else line for line in lines), delimiter=delimiter)
-    try:
-        for cells in reader:
-            yield reader.line_num, cells
-    except csv.Error:  # a quotation mark that does not end: plain cells
-        for number, line in enumerate(lines, 1):
-            yield number, line.split(delimiter)
-
-
-def _replace_decimal_comma(cell: str) -> str:
-    """Return a number with a decimal point in place of its comma; other texts as they are."""
-    is_number = re.fullmatch(r"\s*[-+]?\d+,\d+([eE][-+]?\d+)?\s*", cell)
-    return cell.replace(",", ".") if is_number else cell
+        title = _find_title(first_rows, path.stem)
+        yield ProgramTable(title, path, "", first_rows, lambda: rows, grammar, declared)

@@ -22,7 +22,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -231,7 +230,9 @@ def build_hazard(question: StudyQuestion, measure: Measure) -> Hazard | None:
         return None
     if isinstance(spec, HazardFile):
         path = question.study.path.parent / spec.file
-        return Hazard.from_points(*_read_hazard_file(path, spec.unit, quantity.si, measure))
+        curve = read_hazard(path, quantity.si, spec.declare(), _name_measure(question, measure))
+        question.taken = (*question.taken, curve.taken)
+        return Hazard.from_points(curve.intensity, curve.rate)
     try:
         if isinstance(spec, PowerHazard):
             unit = spec.unit or {"m/s2": "g", "m/s": "m/s"}.get(quantity.si)
@@ -261,18 +262,14 @@ def _parse_hazard_table(rate_by_level: Mapping[str, float], quantity: Quantity) 
     return np.stack([intensity, rates])
 
 
-def _read_hazard_file(path: Path, unit: str | None, si: str, measure: Measure) -> tuple[np.ndarray, np.ndarray]:
-    """Return the points of a file.  Raises InputError: it says that they are those of another measure."""
-    intensity, rate, measure_in_file = read_hazard(path, unit, si)
-    wanted = measure.name.upper()
-    if measure.name == "sa" and measure.period:
-        wanted = f"SA({measure.period:g})"
-    is_any_sa = wanted == "SA" and measure_in_file.startswith("SA")
-    if measure_in_file and measure_in_file != wanted and not is_any_sa:
-        hint = f"write `intensity: {measure_in_file.lower()}`, or take the curve of {measure}"
-        message = f"the hazard is that of {measure_in_file}, the intensity is {measure}"
-        raise InputError(Problem(message, hint, str(path)))
-    return intensity, rate
+def _name_measure(question: StudyQuestion, measure: Measure) -> str:
+    """Return the name of a measure as OpenQuake writes it; SA of any period where that is swept."""
+    if measure.name != "sa":
+        return measure.name.upper()
+    is_swept = any("records.scale.period" in axis.names for axis in question.study.axes)
+    written = 0.0 if is_swept else getattr(question.study.spec.records.scale, "period", 0.0)
+    period = measure.period or written
+    return f"SA({period:g})" if period else "SA"
 
 
 # The gap for an annual rate of contact

@@ -103,11 +103,13 @@ class StudyQuestion(ABC):
     extent : whether it `has` the time histories of its plan, `has at most` these, or `begins with` them
     spec : the section of the study
     problems : what is wrong with it
+    taken : what was taken of each file that its section names, in a sentence
     """
 
     name: ClassVar[str]
     extent = "has"
     spec: Any
+    taken: tuple[str, ...] = ()
 
     def __init__(self, study: Study) -> None:
         self.study = study

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
-from pounding_cli.study.base import Model, one_or_many, spec_field, tagged_union
+from pounding_cli.records.hazard import HazardColumns
+from pounding_cli.study.base import Model, SpecIssue, one_or_many, spec_field, tagged_union
 from pounding_cli.study.quantity import TIME, ParsedText, Quantity, WholeNumber, refuse, written_unit
 
 SEED = Annotated[int, WholeNumber(1, 2**31 - 1)]
@@ -46,16 +48,53 @@ class PowerHazard(Model):
     unit: str | None = spec_field(None, "unit of the intensity; default: g, and m/s of velocities", "g")
 
 
+_Column = Annotated[int, WholeNumber(1, 1000)]
+
+
 class HazardFile(Model):
-    """A hazard curve in a file."""
+    """A hazard curve in a file: an export of OpenQuake, or columns that are declared."""
 
     file: str = spec_field(
-        ...,
-        "CSV file relative to the study: intensity and annual rate in two columns, or the row of a site as OpenQuake "
-        "and others publish it",
-        "hazard.csv",
+        ..., "a file relative to the study: an export of OpenQuake, or rows of intensity and rate", "hazard.csv"
     )
-    unit: str | None = spec_field(None, "unit of the intensities, where the file does not say it", "g")
+    intensity: _Column | None = spec_field(None, "column of the intensities, from 1", 1)
+    unit: str | None = spec_field(None, "unit of the intensities", "g")
+    rate: _Column | None = spec_field(None, "column of the annual rates at which they are exceeded", 2)
+    probability: _Column | None = spec_field(None, "column of the probabilities in `years`, in place of `rate`", 2)
+    years: Annotated[float, Quantity("years", "", "50", 0.0, 1e5, open_low=True)] | None = spec_field(
+        None, "in which the probabilities are those of being exceeded", 50
+    )
+    skip: Annotated[int, WholeNumber(0, 1_000_000)] | None = spec_field(
+        None, "lines above the numbers; default: those that hold words"
+    )
+    rows: Annotated[int, WholeNumber(0, 1_000_000)] | None = spec_field(
+        None, "rows of numbers that are read; default: all"
+    )
+    separator: Literal[",", ";", "tab", "blank"] | None = spec_field(
+        None, "what parts the cells; default: as the first row of numbers shows"
+    )
+    decimal: Literal[".", ","] | None = spec_field(None, "decimal sign; default: a point")
+    thousands: Literal[",", ".", "'", " "] | None = spec_field(None, "sign between thousands; default: none")
+
+    def issues(self) -> Iterator[SpecIssue]:
+        given = [key for key in ("rate", "probability") if getattr(self, key) is not None]
+        if len(given) == 2:
+            yield ("probability",), "a hazard curve has rates or probabilities", "remove `rate` or `probability`", True
+        elif self.intensity is not None and not given:
+            hint = "write e.g. `rate: 2`, or `probability: 2, years: 50`"
+            yield ("intensity",), "nothing says which column holds the annual rates", hint, True
+        elif given and self.intensity is None:
+            yield (given[0],), "nothing says which column holds the intensities", "write e.g. `intensity: 1`", True
+        elif given and getattr(self, given[0]) == self.intensity:
+            yield (given[0],), f"column {self.intensity} holds the intensities", "write another column"
+        if self.probability is not None and self.years is None:
+            yield ("probability",), "probabilities are those of some years", "write e.g. `years: 50`", True
+        if self.years is not None and self.probability is None:
+            yield ("years",), "`years` belongs to `probability`", "write `probability:` in place of `rate:`", True
+
+    def declare(self) -> HazardColumns:
+        """Return what is declared of the file."""
+        return HazardColumns(**self.model_dump(exclude={"file"}))
 
 
 def _hazard_kind(value: Any) -> str:

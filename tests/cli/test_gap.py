@@ -219,6 +219,23 @@ def test_bad_questions_are_refused_at_their_place(pound, line, place, words):
     assert "error: a fault" not in err
 
 
+def test_what_was_taken_of_a_file_of_a_hazard_curve_is_said(pound):
+    """By `check` and by the question; OpenQuake's curve of another period than that of the study is refused."""
+    Path("h.csv").write_text("PGA; p in 50 years\n0.05; 0.4\n0.5; 0.01\n")
+    Path("oq.csv").write_text("# investigation_time=50, imt='SA(0.1)'\nlon,lat,poe-0.1,poe-0.5\n1,2,0.1,0.01\n")
+    scaled = STUDY[: STUDY.index("  percentiles")].replace("duration: 3 s", "duration: 1 s, scale: {pga: 0.3 g}")
+    Path("a.yaml").write_text(scaled + "  hazard: {file: h.csv, intensity: 1, unit: g, probability: 2, years: 50}\n")
+    taken = "h.csv: hazard curve of 2 points, intensities from 0.05 to 0.5 g, annual rates from 0.01022 to 0.000201; "
+    assert taken in pound("check", "a.yaml")[1]
+    assert taken in pound("gap", "a.yaml")[2]
+    assert f'"text": "{taken}' in pound("gap", "a.yaml", "--log-json", "-o", "b.h5")[1]
+    of_period = scaled.replace("pga: 0.3 g", "sa: 0.3 g, period: 0.5 s")
+    Path("b.yaml").write_text(of_period + "  hazard: oq.csv\nsweep: {records.scale.sa: [0.1 g, 0.3 g]}\n")
+    code, _, err = pound("gap", "b.yaml")
+    assert code == 2
+    assert "the hazard is that of SA(0.1), the intensity is SA(0.5)" in err
+
+
 def test_one_building_has_no_gap(pound):
     Path("two.yaml").write_text(STUDY.replace("group: [A, B]", "group: [A]"))
     code, _, err = pound("gap", "two.yaml")

@@ -273,7 +273,7 @@ def faults(version: str):
         ),
         "no number": (
             edit("Story Stiffness", (4, stiff), "n/a"),
-            [f"tower.xlsx:6:{stiff + 1}: ", "'Story Stiffness', row 6", f"'{heading}'", "'n/a' is not a number"],
+            [f"tower.xlsx:6:{stiff + 1}: ", "'Story Stiffness', row 6", f"'{heading}'", "'n/a' is not a finite number"],
         ),
         "other unit": (
             edit("Mass Summary by Story", (1, 1), "kN"),
@@ -312,7 +312,7 @@ def test_wrong_tables_are_refused_by_name(folder, pound, version, fault):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ([], ["has 2 load cases", "with 'StiffX' in them: EQX", "--case EQX"]),
+        ([], ["has 2 load cases", "with 'StiffX' in them: EQX\n", "--case EQX"]),
         (["--case", "Dead"], ["no load case 'Dead'", "--case EQX"]),
         (["--case", "EQY"], ["storey 'Story1' has the stiffness 0", "--direction"]),
         (["--case", "EQX", "--tower", "T9"], ["no tower 'T9'", "--tower T1"]),
@@ -336,7 +336,7 @@ def test_files_that_are_no_tables_are_refused(folder, pound):
     (folder / "empty.csv").write_text("\n")
     (folder / "none").mkdir()
     for name, word in (
-        ("bad.xlsx", "cannot be read"), ("old.xls", "old version of Excel"), ("empty.csv", "holds no table"),
+        ("bad.xlsx", "cannot be read"), ("old.xls", "old version of Excel"), ("empty.csv", "the file is empty"),
         ("none", "no CSV file"), ("nowhere.xlsx", "no such file"),
     ):  # fmt: skip
         code, _, err = pound("import", "etabs", name)
@@ -425,7 +425,12 @@ def test_the_storeys_of_a_plain_table(folder, pound):
     head = "Storey;Height [m];Mass [t];Stiffness [kN/mm];Yield shear [kN]"
     (folder / "plain.csv").write_text("\n".join([head, *rows]) + "\n")
     code, out, err = pound("import", "table", "plain.csv", "--name", "Old House")
+    assert (code, out) == (2, "")
+    assert "plain.csv:4:2: 'plain', row 4, column 'Height': '3,2' is not a number" in err
+    assert "give `--decimal ','` if it is 3.2" in err
+    code, out, err = pound("import", "table", "plain.csv", "--name", "Old House", "--decimal", ",")
     assert (code, err) == (0, "")
+    assert "declared: --decimal ','" in out
     assert "by the numbers in the names" in out
     building = load_study(folder / "old-house.yaml").group((0,)).buildings[0]
     assert building.mass == pytest.approx([198.5e3, 199.5e3, 200.5e3])
@@ -558,9 +563,9 @@ def import_plain(folder, pound, *lines, options=()):
     ("lines", "options", "words"),
     [
         ([PLAIN], [], ["has no row of a storey"]),
-        ([PLAIN.replace("Mass [t]", "Weight [kN]"), *ROWS], [], ["no column 'Mass'", "it has Storey, Height, Weight"]),
+        ([PLAIN.replace("Mass [t]", "Weight [kN]"), *ROWS], [], ["no column 'Mass'", "3 'Weight'", "'mass=2'"]),
         ([PLAIN.replace("Storey,", ""), *(row[2:] for row in ROWS)], [], ["no column 'Storey'", "plain.csv:1:1"]),
-        ([PLAIN.replace("[t]", "[kN]"), *ROWS], [], ["plain.csv:1:3", "not a unit of mass", "divide it by 9.81"]),
+        ([PLAIN.replace("[t]", "[kN]"), *ROWS], [], ["plain.csv:1:3", "not a unit of mass", "'mass=Mass/9.81'"]),
         ([PLAIN.replace("Yield shear [kN]", "Hardening"), *ROWS], [], ["plain.csv:4:5", "row 4", "below 1"]),
         ([PLAIN.replace("Yield shear", "Stiffness"), *ROWS], [], ["plain.csv:1:5", "2 columns 'Stiffness'"]),
         ([PLAIN, *ROWS, ",10.4,560,,"], [], ["plain.csv:5:1", "is empty", "a total"]),
@@ -581,19 +586,25 @@ def test_wrong_plain_tables_are_refused_by_name(folder, pound, lines, options, w
 @pytest.mark.parametrize(
     ("lines", "words", "warnings"),
     [
-        (["Report of 2026", "Tower of the north", PLAIN, *ROWS], ["3 storeys"], []),
+        (["Report of 2026", "Tower of the north", PLAIN, *ROWS], ["not read: 'Report of 2026', 'Tower of the"], []),
+        (
+            [PLAIN, *ROWS, "0,10.4,560,500,5410"],
+            ["4 storeys"],
+            ["storey '0' has the height and the mass of all others"],
+        ),
+        ([f"{PLAIN},,", *(f"{row},," for row in ROWS)], ["3 storeys"], []),
+        ([PLAIN, ROWS[0], ",,,,", *(f"{row},," for row in ROWS[1:])], ["3 storeys"], []),
         ([PLAIN, *ROWS, "Total,10.4,560,,"], ["left out: row 5 of 'plain', 'Total'", "1, 2, 3"], []),
         ([PLAIN + ",Remark", *(row + ",x" for row in ROWS)], ["columns left out: Remark"], []),
         ([PLAIN, ROWS[0], ROWS[2]], ["2 storeys"], ["leave out the number 2"]),
         ([PLAIN, *ROWS, f"{10**40},3,100,90,900"], ["4 storeys"], ["leave out the number 4, 5, 6"]),
         ([PLAIN, "-1,3,300,900,9000", "-2,3,300,900,9000", ROWS[2]], ["up -2, -1, 1"], ["-2, -1 sound as if below"]),
-        ([PLAIN.replace(",", ";"), "1;4;210,5;200;900"], ["decimal commas: '210,5' is 210.5"], []),
         ([PLAIN.replace(",", ";"), "1;4;210.000;214.000;900"], ["1 storey"], ["three digits stand behind every point"]),
         ([PLAIN, "Roof,,,,", *ROWS], [], None),
         ([f"{PLAIN},Tower", *(f"{row}," for row in ROWS[:2]), f"{ROWS[2]},T1"], ["3 storeys"], []),
     ],
 )
-def test_plain_tables_say_what_was_left_out_or_guessed(folder, pound, lines, words, warnings):
+def test_plain_tables_say_what_was_left_out_or_doubted(folder, pound, lines, words, warnings):
     """A row without numbers is no row of units: None for a refusal."""
     code, out, err = import_plain(folder, pound, *lines)
     if warnings is None:
@@ -604,6 +615,84 @@ def test_plain_tables_say_what_was_left_out_or_guessed(folder, pound, lines, wor
     assert [word for word in words if word not in out] == [], out
     assert [word for word in warnings if word not in err] == [], err
     assert bool(err) == bool(warnings)
+
+
+OTHER = "Ebene,Höhe [m],Gewicht [kN],K,Vy [kN]"
+ODD = ["3,3.2,1471.5,107,1160", "2,3.2,1962,179,1930", "1,4,2060.1,214,2320"]
+SOURCES = {"storey": "1", "height": "Höhe", "mass": "Gewicht/9.81", "stiffness": "4 [kN/mm]", "yield shear": "Vy"}
+
+
+@pytest.mark.parametrize("by_file", [False, True])
+def test_columns_with_other_names_are_declared(folder, pound, by_file):
+    """On the command line, or in a file that stays with the project; both give the study of the plain names."""
+    columns = [part for item in SOURCES.items() for part in ("--column", "=".join(item))]
+    if by_file:
+        (folder / "columns.yaml").write_text(yaml.safe_dump(SOURCES, allow_unicode=True))
+        columns = ["--columns", "columns.yaml"]
+    code, out, err = import_plain(folder, pound, OTHER, *ODD, options=columns)
+    assert (code, err) == (0, "")
+    assert "mass: 'plain', column Gewicht [kN] x 0.101937" in out
+    assert "declared: --column" in out
+    found = load_study(folder / "plain.yaml").group((0,)).buildings[0]
+    import_plain(folder, pound, PLAIN, *ROWS, options=["--force"])
+    wanted = load_study(folder / "plain.yaml").group((0,)).buildings[0]
+    for name in ("mass", "stiffness", "yield_shear", "elevation"):
+        assert getattr(found, name) == pytest.approx(getattr(wanted, name), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("lines", "columns", "words"),
+    [
+        ([OTHER, *ODD], {}, ["no column 'Storey'", "it has 1 'Ebene', 2 'Höhe'", "--column 'storey=HEADING'"]),
+        ([OTHER, *ODD], {"weight": "3"}, ["--column: 'weight' is not a quantity", "known: storey, height, mass"]),
+        ([OTHER, *ODD], {"mass": "0"}, ["--column: '0' is not a column"]),
+        ([OTHER, *ODD], SOURCES | {"mass": "Gewicht/32.2"}, ["plain.csv:1:3", "'kN' is not a unit of mass"]),
+        ([OTHER, *ODD], SOURCES | {"stiffness": "4"}, ["column 'K'", "has no unit"]),
+        ([OTHER, *ODD], SOURCES | {"mass": "4/9.81"}, ["column 'K'", "has no unit", "`K [kN]`"]),
+        ([OTHER, *ODD], SOURCES | {"yield shear": "Vy [MN]"}, ["'Vy'", "is in kN, and 'Vy [MN]' says otherwise"]),
+        ([PLAIN, *ROWS], {"mass": "Weight"}, ["--column 'mass=Weight' has no effect"]),
+        (ROWS, {}, ["no column 'Storey'", "it has no headings"]),
+        ([PLAIN, *(f"{row},05" for row in ROWS)], {}, ["plain.csv:2:6: 'plain', row 2: 6 cells below 5 headings"]),
+        ([PLAIN, "1,210,214,2320"], {}, ["plain.csv:2:1: 'plain', row 2: 4 cells below 5 headings"]),
+        ([PLAIN, '1,4,"1,980",214,2320'], {}, ["'1,980' is not a number", "`--thousands ','` if it is 1980"]),
+    ],
+)
+def test_what_is_not_declared_is_refused(folder, pound, lines, columns, words):
+    options = [part for item in columns.items() for part in ("--column", "=".join(item))]
+    code, out, err = import_plain(folder, pound, *lines, options=options)
+    assert (code, out) == (2, "")
+    assert [word for word in words if word not in err] == [], err
+
+
+def test_a_file_of_columns_is_refused_at_its_place(folder, pound):
+    (folder / "columns.yaml").write_text("mass: 3\nweight: 4\n")
+    code, _, err = import_plain(folder, pound, OTHER, *ODD, options=["--columns", "columns.yaml"])
+    assert code == 2
+    assert "columns.yaml:2:1: 'weight' is not a quantity of a table" in err
+
+
+def test_signs_of_numbers_are_declared(folder, pound):
+    lines = [PLAIN.replace(",", "\t"), "1\t4,00\t1.980,5\t214\t2320"]
+    code, _, err = import_plain(folder, pound, *lines, options=["--decimal", ",", "--thousands", "."])
+    assert (code, err) == (0, "")
+    assert load_study(folder / "plain.yaml").group((0,)).buildings[0].mass == pytest.approx([1980.5e3])
+    lines = ["Storey Height Mass Stiffness", "1, 3 0.2 90", "2, 3 0.2 80"]
+    options = ["--separator", "blank", "--units", "MN m", "--order", "up", "--force"]
+    assert import_plain(folder, pound, *lines, options=options)[0] == 0
+    assert load_study(folder / "plain.yaml").group((0,)).buildings[0].stiffness == pytest.approx([90e6, 80e6])
+
+
+def test_columns_of_curves_are_declared(folder, pound):
+    write_storeys(folder)
+    write_curves(folder, lambda x: x if x < 1 else 1 + 0.04 * (x - 1), steps=501)
+    text = (folder / "curves.csv").read_text().replace("Drift [mm],Shear [kN]", "Weg [mm],Kraft [kN]")
+    (folder / "curves.csv").write_text(text)
+    columns = ["--column", "drift=Weg", "--column", "shear=4"]
+    code, out, err = pound("import", "pushover", "curves.csv", "--storeys", "storeys.csv", *columns)
+    assert (code, err) == (0, "")
+    assert "drift: 'curves', column Weg [mm]" in out
+    building = load_study(folder / "curves.yaml").group((0,)).buildings[0]
+    assert building.yield_shear == pytest.approx(0.012 * FRAME.shear / FRAME.drift, rel=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -62,7 +62,8 @@ def test_a_table_in_the_study_and_in_a_file_are_one(tmp_path: Path) -> None:
     lines = ["PGA [g]; annual rate", *(f"{x}; {y}" for x, y in ((0.05, 0.02), (0.3, 1 / 475), (1, 1e-4)))]
     (tmp_path / "h.csv").write_text("\n".join(lines))
     (tmp_path / "second").mkdir()
-    again = fragility(str(tmp_path / "h.csv"), tmp_path / "second").answer("fragility_rates").frame
+    declared = {"file": str(tmp_path / "h.csv"), "intensity": 1, "unit": "g", "rate": 2}
+    again = fragility(declared, tmp_path / "second").answer("fragility_rates").frame
     np.testing.assert_allclose(again["rate"], rates["rate"], rtol=1e-12)
     assert (rates["beyond"] > 0).all()
     assert (rates["beyond"] < 1).all()
@@ -124,6 +125,12 @@ def test_a_table_of_gaps_follows_its_rate() -> None:
         ("fragility: {limits: [mu > 4], hazard: {0.1 kg: 1e-2, 0.2 g: 1e-3}}", "no acceleration"),
         ("fragility: {limits: [mu > 4], hazard: nowhere.csv}", "no such file"),
         ("fragility: {limits: [mu > 4], hazard: {k0: 1e-4}}", "'k' is missing"),
+        ("gap: {hazard: {file: h.csv, intensity: 1}}", "nothing says which column holds the annual rates"),
+        ("gap: {hazard: {file: h.csv, rate: 1}}", "nothing says which column holds the intensities"),
+        ("gap: {hazard: {file: h.csv, intensity: 1, rate: 1}}", "column 1 holds the intensities"),
+        ("gap: {hazard: {file: h.csv, intensity: 1, rate: 2, probability: 3, years: 50}}", "rates or probabilities"),
+        ("gap: {hazard: {file: h.csv, intensity: 1, probability: 2}}", "write e.g. `years: 50`"),
+        ("gap: {hazard: {file: h.csv, intensity: 1, rate: 2, years: 50}}", "`years` belongs to `probability`"),
         ("gap: {rate: 1/475}", "needs a hazard curve"),
         ("gap: {rate: 0, hazard: {k0: 1e-4, k: 2}}", "rate"),
     ],

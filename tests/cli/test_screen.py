@@ -244,10 +244,15 @@ def test_a_later_row_is_refused_before_anything_is_solved(pound, last, rows, opt
 
 
 def test_what_is_doubtful_of_any_row_is_told(tmp_path):
-    """And commas are decimal signs where semicolons part the cells."""
+    """And commas are decimal signs where that is declared; else a number with one is refused at its place."""
     rows = [f"{ONE},4,0.3", "B,C1L,low-code,3,C,W1,low-code,9,2.5,0.3", "C,W1,low-code,9,D,W1,low-code,1,300,0.3"]
     table = "\n".join([NAMED + "pga [g]", *rows]).replace(",", ";").replace(".", ",") + "\n"
-    street = read_street(write_street(tmp_path, table), replace(SETTINGS, levels=("0.2 g", "0.3")))
+    with pytest.raises(pounding_cli.InputError) as refused:
+        read_street(write_street(tmp_path, table), SETTINGS)
+    assert [problem.line for problem in refused.value.problems] == [2, 3, 3, 4]
+    assert "street.csv:3:34: '2,5' is not a number\n    give `--decimal ','` if it is 2.5" in str(refused.value)
+    settings = replace(SETTINGS, levels=("0.2 g", "0.3"), decimal=",")
+    street = read_street(write_street(tmp_path, table), settings)
     assert street.pairs[1].gap == pytest.approx(0.025)
     warnings = [str(warning) for warning in street.find_warnings()]
     assert any("street.csv:3:" in each and "right has 9 storeys, but W1" in each for each in warnings)
@@ -282,11 +287,42 @@ def test_accelerations_of_two_return_periods_go_on_below(tmp_path):
     assert street.find_warnings() == []
 
 
+def test_signs_of_the_cells_are_declared(tmp_path):
+    """But for names."""
+    row = ONE.replace("A,", "1'200 A,", 1)
+    table = f"{NAMED}pga [g]\n{row},1'200.5 mm,0.3\n".replace(",", "\t")
+    street = read_street(write_street(tmp_path, table), replace(SETTINGS, thousands="'"))
+    assert street.pairs[0].gap == pytest.approx(1.2005)
+    assert street.pairs[0].names == ("1'200 A", "B")
+    with pytest.raises(pounding_cli.InputError, match="is not a heading"):
+        read_street(write_street(tmp_path, table), replace(SETTINGS, thousands="'", separator=";"))
+
+
+def test_hazard_curves_of_files(tmp_path):
+    """Columns are declared in the cell, beside the table or by the option; what was taken of each file is said once."""
+    (tmp_path / "h.csv").write_text("0.05 0.02\n0.4 0.002\n")
+    (tmp_path / "sites").mkdir()
+    declared = "{file: h.csv, intensity: 1, unit: g, rate: 2}"
+    text = f'{NAMED}hazard\n{ONE},4,"{declared}"\n{ONE.replace("A,", "C,")},4,\n'
+    path = write_street(tmp_path / "sites", text)
+    (tmp_path / "sites" / "h.csv").write_text("0.05 0.01\n0.4 0.001\n")
+    street = read_street(path, replace(SETTINGS, hazard=declared.replace("h.csv", str(tmp_path / "h.csv"))))
+    assert [pair.hazard["file"] for pair in street.pairs] == ["h.csv", "../h.csv"]
+    near, far = street.list_taken()
+    assert "annual rates from 0.01 to 0.001" in near
+    assert "annual rates from 0.02 to 0.002" in far
+    street = read_street(path, replace(SETTINGS, hazard=str(tmp_path / "h.csv")))
+    with pytest.raises(
+        pounding_cli.InputError, match=r"write `hazard: \{file: h.csv, intensity: 1, unit: g, rate: 2\}`"
+    ):
+        street.find_warnings()
+
+
 def test_a_workbook_is_refused_as_a_table(pound):
     Path("street.xlsx").write_bytes(b"PK\x03\x04" + bytes(100))
     code, _, err = pound("screen", "street.xlsx")
     assert code == 2
-    assert "export it as text; give a table of neighbours" in err
+    assert "export it as text" in err
 
 
 def test_years_need_a_zone(pound):

@@ -59,6 +59,7 @@ class Settings:
     zone : of rows without one; "" without one
     return_period : of `pga` in rows without one [years]
     slope : exponent k of the hazard curve of rows that give one point of it [-]
+    separator, decimal, thousands : how cells are written (`records.Declaration`); "" as of a motion without them
     """
 
     motions: tuple[str, ...] = ("elcentro", "taft", "eureka", "olympia", "parkfield")
@@ -69,6 +70,9 @@ class Settings:
     zone: str = ""
     return_period: float = 475.0
     slope: float = 3.0
+    separator: str = ""
+    decimal: str = ""
+    thousands: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,6 +158,13 @@ class Street:
         for warning in self._warn_known_once():
             warnings[str(warning)] = warning
         return list(warnings.values())
+
+    def list_taken(self) -> list[str]:
+        """Return what was taken of each file of a hazard curve, a sentence each.  Raises InputError."""
+        from pounding_cli.questions.gap.question import Gap
+
+        pairs = {pair.hazard_key: pair for pair in self.pairs if isinstance(pair.hazard, str) or "file" in pair.hazard}
+        return list(dict.fromkeys(each for pair in pairs.values() for each in Gap(self.build_study(pair)).taken))
 
     def _warn_known_once(self) -> Iterator[Problem]:
         """Yield a warning of every building of two rows of which one alone has what was measured."""

@@ -1,4 +1,4 @@
-"""Read the table of a street: a row for each pair of neighbours, as plain CSV.
+"""Read the table of a street: a row for each pair of neighbours, as text whose cells are those of `cells`.
 
 Every value keeps its row and column, so that whatever is wrong with it, here or in the study of its pair, is told at
 its place in the table.
@@ -10,17 +10,18 @@ import math
 import os
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 from pydantic_core import PydanticCustomError
 
-from pounding_cli.cells import load_text
+from pounding_cli.cells import BLANKS, Fault, Grammar, choose_table_separator, hint_options, load_text
 from pounding_cli.model.archetypes import DESIGNS, list_types
 from pounding_cli.questions.screen.designs import ZONES, find_design
 from pounding_cli.questions.screen.street import LEFT, MIN_PGA, RIGHT, Cell, NeighbourPair, Settings, Street, mark_map
-from pounding_cli.records.instrument import parse_number
+from pounding_cli.records.declaration import SEPARATOR_NAMES
 from pounding_cli.study.file import Map, Mark, Problems, dump_yaml, nearest, parse_value
 from pounding_cli.study.issues import Issue, IssuesFound
 from pounding_cli.study.quantity import ACCELERATION, GAP, LENGTH, Quantity
@@ -56,12 +57,17 @@ HEADINGS = {
 }
 """Every heading that a table may have, and what stands below it; beside them `pga 475 [g]` and the like."""
 
+HAZARD_EXAMPLE = "an export of OpenQuake, or a file with its columns, `{file: h.csv, intensity: 1, unit: g, rate: 2}`"
 _REQUIRED = ("left type", "left storeys", "right type", "right storeys", "gap")
 _EXAMPLES = {"gap": "gap [cm]"}
 _HEADING = re.compile(r"(?P<name>[^\[(]*?)\s*(?:[\[(]\s*(?P<unit>[^\])]*?)\s*[\])])?\Z")
 _PGA_OF_PERIOD = re.compile(r"pga (?P<years>\d+)(?: years?)?\Z")
-_CELL = re.compile(r'\s*(?:"(?P<quoted>(?:[^"]|"")*)"|(?P<plain>[^"]*))\s*\Z', re.DOTALL)
-_DECIMAL_COMMA = re.compile(r"^(-?\d+),(\d{1,2}|\d{4,})$")
+_NAMES = ("name", "type", "design", "zone", "hazard")
+"""Headings, without their side, below which texts stand."""
+
+_PLAIN = Grammar()
+"""How numbers are written once the signs of the table are settled."""
+
 _OVERRIDES = {"period": "period", "damping": "damping", "mass": "mass"}
 _UNIT_EXAMPLES = {"gap": "cm", "height": "m", "period": "s", "mass": "t", "pga": "g"}
 """Headings, without their side, below which a number needs a unit, and an example of one."""
@@ -82,8 +88,8 @@ def read_street(path: Path, settings: Settings | None = None) -> Street:
         problems.add(("--zone", 0), message, f"write one of {', '.join(ZONES)}")
     rows = {number: line for number, line in enumerate(text.lines, 1) if line.strip() and not line.startswith("#")}
     head_line, head = next(iter(rows.items()))
-    separator = max(",;\t", key=head.count)
-    headings = _read_headings(_split(head, separator), head_line, problems)
+    grammar = _build_grammar(settings, list(rows.values()))
+    headings = _read_headings(_split(head, grammar), head_line, problems)
     problems.check()
     if len(rows) < 2:
         raise text.refuse("there is no pair below the headings", "write a row for each pair of neighbours", head_line)
@@ -92,18 +98,8 @@ def read_street(path: Path, settings: Settings | None = None) -> Street:
     reader = _RowReader(path, settings, problems)
     pairs = []
     for line, row in list(rows.items())[1:]:
-        cells = _split(row, separator)
-        if len(cells) != len(headings):
-            message = f"the row has {len(cells)} cells below {len(headings)} headings"
-            problems.add((line, 1), message, "put texts that hold a comma in quotes, and leave unknown cells empty")
-            continue
-        named = {}
-        for (name, unit), (cell_text, column) in zip(headings, cells, strict=True):
-            written = cell_text if separator == "," else _DECIMAL_COMMA.sub(r"\1.\2", cell_text)
-            if written:
-                named[name] = _read_cell(written, unit, (line, column))
-                _check_unit(name, named[name], problems)
-        pair = reader.read(named, line)
+        named = _name_cells(_split(row, grammar), headings, grammar, line, problems)
+        pair = reader.read(named, line) if named is not None else None
         if pair is not None:
             pairs.append(pair)
     _refuse_equal_names(pairs, problems)
@@ -112,19 +108,67 @@ def read_street(path: Path, settings: Settings | None = None) -> Street:
     return Street(path, "\n".join(text.lines), pairs, settings)
 
 
-def _split(line: str, separator: str) -> list[tuple[str, int]]:
+def _build_grammar(settings: Settings, lines: Sequence[str]) -> Grammar:
+    """Return how the cells of a table are written."""
+    separator = SEPARATOR_NAMES[settings.separator] if settings.separator else choose_table_separator(lines)
+    return Grammar(separator, settings.decimal or ".", settings.thousands)
+
+
+def _split(line: str, grammar: Grammar) -> list[tuple[str, int]]:
     """Return the cells of a line without quotes, each with its column."""
-    parts = re.split(rf'{separator}(?=(?:[^"]*"[^"]*")*[^"]*\Z)', line)
-    cells = []
-    column = 1
-    for part in parts:
-        match = _CELL.match(part)
-        written = part.strip()
-        if match is not None:
-            written = match["plain"] if match["quoted"] is None else match["quoted"]
-        cells.append((written.replace('""', '"').strip(), column + len(part) - len(part.lstrip())))
-        column += len(part) + 1
-    return cells
+    return [(cell, grammar.find_column(line, place)) for place, cell in enumerate(grammar.split_row(line))]
+
+
+def _name_cells(
+    cells: Sequence[tuple[str, int]],
+    headings: Sequence[tuple[str, str]],
+    grammar: Grammar,
+    line: int,
+    problems: Problems,
+) -> dict[str, Cell] | None:
+    """Return the cells of a row that are not empty, by heading; None where they cannot be told apart or read, which is
+    noted."""
+    if len(cells) != len(headings):
+        message = f"the row has {len(cells)} cells below {len(headings)} headings"
+        hint = "put texts that hold a comma in quotes, and leave unknown cells empty; --separator parts the cells"
+        problems.add((line, 1), message, hint)
+        return None
+    named = {}
+    is_readable = True
+    for (name, unit), (text, column) in zip(headings, cells, strict=True):
+        fault = _find_sign_fault(name, text, grammar)
+        if fault is not None:
+            problems.add((line, column), fault.message, hint_options(fault))
+            is_readable = False
+        elif text:
+            named[name] = _read_cell(_settle_signs(name, text, grammar), unit, (line, column))
+            _check_unit(name, named[name], problems)
+    return named if is_readable else None
+
+
+def _is_of_text(name: str) -> bool:
+    """Return whether texts stand below a heading."""
+    return name.removeprefix(f"{LEFT} ").removeprefix(f"{RIGHT} ") in _NAMES
+
+
+def _find_sign_fault(name: str, text: str, grammar: Grammar) -> Fault | None:
+    """Return what is wrong with a number that other signs than the declared ones would make one; None of others."""
+    number = text.partition(" ")[0]
+    if _is_of_text(name) or not number or grammar.parse(number) is not None:
+        return None
+    fault = replace(grammar, separator=BLANKS).describe_fault(number)  # in quotes a cell may have any sign
+    return fault if fault.cure else None
+
+
+def _settle_signs(name: str, text: str, grammar: Grammar) -> str:
+    """Return a cell whose number, with or without a unit behind it, has a decimal point and nothing between
+    thousands."""
+    number, blank, unit = text.partition(" ")
+    value = grammar.parse(number)
+    is_settled = grammar.decimal == "." and not grammar.thousands
+    if value is None or is_settled or _is_of_text(name):
+        return text
+    return f"{value:.15g}{blank}{unit}"
 
 
 def _read_headings(cells: Sequence[tuple[str, int]], line: int, problems: Problems) -> list[tuple[str, str]]:
@@ -155,7 +199,7 @@ def _read_headings(cells: Sequence[tuple[str, int]], line: int, problems: Proble
 
 def _read_cell(text: str, unit: str, mark: Mark) -> Cell:
     """Return a cell with the unit of its heading, unless it has one of its own."""
-    is_number = parse_number(text) is not None
+    is_number = _PLAIN.parse(text) is not None
     return Cell(f"{text} {unit}" if unit and is_number else text, mark)
 
 
@@ -163,7 +207,7 @@ def _check_unit(name: str, cell: Cell, problems: Problems) -> None:
     """Note a number that needs a unit and has none."""
     quantity = name.removeprefix(f"{LEFT} ").removeprefix(f"{RIGHT} ")
     example = _UNIT_EXAMPLES.get("pga" if _PGA_OF_PERIOD.match(name) else quantity)
-    number = parse_number(cell.text)
+    number = _PLAIN.parse(cell.text)
     if example is not None and number is not None and number != 0.0:
         hint = f"write the unit into the heading, `{name} [{example}]`, or behind the number, `{cell.text} {example}`"
         problems.add(cell.mark, f"{cell.text} has no unit", hint)
@@ -269,7 +313,7 @@ class _RowReader:
         design = self._read_design(cells, side, line, type_cell)
         if len(self.problems.found) > count or type_cell is None or storeys_cell is None or design is None:
             return building
-        number = parse_number(storeys_cell.text)
+        number = _PLAIN.parse(storeys_cell.text)
         storeys = int(number) if number is not None and number == int(number) else storeys_cell.text
         archetype = Map({}, type_cell.mark)
         put(archetype, "type", type_cell.text.upper(), type_cell.mark)
@@ -323,7 +367,7 @@ class _RowReader:
         if year_cell is None:
             self.problems.add((line, 1), f"'{side} design' and '{side} year' are empty", f"write {example}")
             return None
-        year = parse_number(year_cell.text)
+        year = _PLAIN.parse(year_cell.text)
         if year is None or not 1000 <= year <= 2100 or year != int(year):
             self.problems.add(year_cell.mark, f"'{year_cell.text[:40]}' is not a year", f"write {example}")
             return None
@@ -404,7 +448,7 @@ class _RowReader:
         if cell is None:
             return self.settings.return_period
         text, _, unit = cell.text.partition(" ")
-        years = parse_number(text)
+        years = _PLAIN.parse(text)
         if years is None or not 1 <= years <= 1e7 or unit not in _UNIT_YEARS:
             message = f"'{cell.text[:40]}' is not a return period in years"
             self.problems.add(cell.mark, message, "write e.g. 475 below `return period [years]`")
@@ -412,16 +456,20 @@ class _RowReader:
         return years
 
     def _parse_hazard(self, text: str, mark: Mark, folder: Path) -> Any:
-        """Return a hazard curve, as a study has it: a mapping, or a file beside the table."""
-        if text.lstrip().startswith("{"):
-            node = parse_value(text, str(mark[0]))
-            if isinstance(node, Map):
-                return mark_map(node, mark)
-        file = folder / text
+        """Return a hazard curve, as a study has it: a mapping, or a file beside the table.
+
+        folder : from which files are named
+        """
+        is_mapping = text.lstrip().startswith("{")
+        node = parse_value(text, str(mark[0])) if is_mapping else {"file": text}
+        if "file" not in node:
+            return mark_map(node, mark)
+        file = folder / str(node["file"])
         if not file.is_file():
-            hint = "give a CSV file of intensity and annual rate, or e.g. `{0.1 g: 0.02, 0.4 g: 1/475}`"
-            self.problems.add(mark, f"there is no hazard curve {text[:80]}", hint)
+            hint = f"name {HAZARD_EXAMPLE}, or write e.g. `{{0.1 g: 0.02, 0.4 g: 1/475}}`"
+            self.problems.add(mark, f"there is no hazard curve {str(file)[:80]}", hint)
         try:
-            return Path(os.path.relpath(file, self.path.parent)).as_posix()
+            written = Path(os.path.relpath(file, self.path.parent)).as_posix()
         except ValueError:  # another drive
-            return str(file.resolve())
+            written = str(file.resolve())
+        return mark_map(node | {"file": written}, mark) if is_mapping else written
