@@ -45,10 +45,17 @@ _BINARY = (
     (b"\xd0\xcf\x11\xe0", "an Excel workbook"),
 )  # fmt: skip
 # How files that hold no text begin.
+_PLAIN_SIGNS = str.maketrans({"\u2212": "-", "\u00a0": " ", "\u202f": " ", "\u2019": "'", "\u200b": "", "\ufeff": ""})
+# A minus, blanks and apostrophes between thousands, and signs without a width, as other programs write them.
 _EXPONENT = r"(?:[EeDd][-+]?\d+)?"
-_FORTRAN = re.compile(r"\(?\s*(\d{0,3})\s*[FEDGI]\s*([1-9]\d?)(?:\.(\d{1,2}))?\s*\)?\Z", re.IGNORECASE)
+_FORTRAN = re.compile(
+    r"\(?\s*(?:(\d{1,3})X\s*,\s*)?(\d{0,3})\s*[FEDGI]\s*([1-9]\d?)(?:\.(\d{1,2}))?\s*\)?\Z", re.IGNORECASE
+)
+MAX_NUMBER_LENGTH = 60
+"""Characters of a number."""
+
 _TOUCHING = re.compile(r"[-+]?(?:\d+\.\d*|\.\d+)(?:[EeDd][-+]?\d+)?(?:[-+](?:\d+\.\d*|\.\d+)(?:[EeDd][-+]?\d+)?)+\Z")
-_WITH_UNIT = re.compile(r"([-+]?(?:\d+[.,]?\d*|[.,]\d+))\s*([A-Za-z%°][\w/^²%*]*)\Z")
+_WITH_UNIT = re.compile(r"([-+]?(?:\d+(?:[.,]\d*)?|[.,]\d+))\s*(?:g|[Gg]al|[mc]?m(?:/s\^?2)?|m?s|%)\Z")
 _WITH_THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(?P<sign>[,.' \u00a0\u202f])\d{3}(?:(?P=sign)\d{3})*(?:[.,]\d*)?\Z")
 
 
@@ -113,6 +120,7 @@ class Grammar:
     thousands : sign between groups of three digits; "" for none
     widths : characters of each cell in the fixed columns of a Fortran format; () where a separator parts them
     has_points : every cell must have its decimal sign, as Fortran counts decimals from the right of one without
+    indent : characters before the first of the fixed columns
     """
 
     separator: str = BLANKS
@@ -120,6 +128,7 @@ class Grammar:
     thousands: str = ""
     widths: tuple[int, ...] = ()
     has_points: bool = False
+    indent: int = 0
 
     def split(self, line: str) -> list[str]:
         """Return the cells of a line; quotes hold a cell together, and a separator at the end begins no other."""
@@ -140,7 +149,7 @@ class Grammar:
     def _split_columns(self, line: str) -> list[str]:
         """Return the cells of fixed columns; empty ones at the end of a line are none."""
         cells = []
-        begin = 0
+        begin = self.indent
         for width in self.widths:
             cells.append(line[begin : begin + width].strip())
             begin += width
@@ -151,7 +160,7 @@ class Grammar:
     def find_column(self, line: str, place: int) -> int:
         """Return the column, from 1, at which the cell of a place, from 0, begins on a line."""
         if self.widths:
-            begin = sum(self.widths[:place])
+            begin = self.indent + sum(self.widths[:place])
             return begin + 1 + len(line[begin:]) - len(line[begin:].lstrip())
         if self.separator == BLANKS:
             return [match.start() + 1 for match in re.finditer(r"\S+", line)][place]
@@ -174,7 +183,11 @@ class Grammar:
 
     def parse(self, cell: str) -> float | None:
         """Return the finite number of a cell, 1.0D-03 too; None where it is none.  Zero has no sign."""
-        if not self._pattern.match(cell) or (self.has_points and self.decimal not in cell):
+        if (
+            len(cell) > MAX_NUMBER_LENGTH
+            or not self._pattern.match(cell)
+            or (self.has_points and self.decimal not in cell)
+        ):
             return None
         plain = cell.replace(self.thousands, "") if self.thousands else cell
         value = float(plain.replace(self.decimal, ".").replace("D", "E").replace("d", "e")) + 0.0
@@ -203,13 +216,28 @@ class Grammar:
             if np.isfinite(values).all():
                 return values
         numbers = []
+        has_decimals = False
         for row in rows:
             for place, cell in enumerate(row.cells):
                 value = self.parse(cell)
                 if value is None:
-                    raise self.refuse_cell(text, row, place)
+                    raise (
+                        self._refuse_other_sign(text, row, place)
+                        if has_decimals
+                        else self.refuse_cell(text, row, place)
+                    )
+                has_decimals = has_decimals or self.decimal in cell
                 numbers.append(value)
         return np.array(numbers)
+
+    def _refuse_other_sign(self, text: TextFile, row: Row, place: int) -> InputError:
+        """Return the refusal of a cell below others that have the decimal sign, which it may not have."""
+        refused = self.refuse_cell(text, row, place)
+        if not isinstance(refused, CurableError) or refused.cure.keys() != {"decimal"}:
+            return refused
+        message = f"'{row.cells[place][:40]}' has another decimal sign than cells above it"
+        column = self.find_column(text.lines[row.line - 1], place)
+        return text.refuse(message, "a file has one decimal sign: export its columns alike", row.line, column)
 
     def refuse_cell(self, text: TextFile, row: Row, place: int) -> InputError:
         """Return the refusal of a cell that is no number; place : of it in its row, from 0."""
@@ -226,6 +254,8 @@ class Grammar:
     def describe_fault(self, cell: str) -> Fault:
         """Return what is wrong with a cell that is no number."""
         shown = f"'{cell[:40]}' is not a number"
+        if len(cell) > MAX_NUMBER_LENGTH:
+            return Fault(f"a cell of {len(cell)} characters is not a number", "write plain numbers, one a cell")
         if not cell:
             return Fault("a cell is empty", "write the number that belongs there; a record is cut before a gap")
         if len(cell) > 1 and set(cell) == {"*"}:
@@ -242,8 +272,8 @@ class Grammar:
         if cures := self._find_cures(cell):
             ways = [f"`{_write_keys(cure)}` if it is {value:.10g}" for value, cure in cures.items()]
             return Fault(shown, f"write {', or '.join(ways)}", next(iter(cures.values())))
-        if match := _WITH_UNIT.match(cell):
-            hint = f"write {match[1]} there, and its unit beside `file:`"
+        if _WITH_UNIT.match(cell):
+            hint = "write numbers alone, and their unit beside `file:`"
             return Fault(f"'{cell[:40]}' has a unit in its cell", hint)
         return Fault(shown, "write plain numbers, one a cell")
 
@@ -267,7 +297,10 @@ class Grammar:
 
 def touches(cell: str) -> bool:
     """Return whether a cell is several numbers without a blank between them, as in full columns of a Fortran format."""
-    return _TOUCHING.match(cell) is not None
+    if len(cell) > 10 * MAX_NUMBER_LENGTH:
+        return False
+    has_points = cell.count(".") > 1 and not set(cell) - set("0123456789.+-") and not _WITH_THOUSANDS.match(cell)
+    return has_points or _TOUCHING.match(cell) is not None
 
 
 def _write_keys(signs: Mapping[str, str]) -> str:
@@ -291,17 +324,17 @@ def choose_table_separator(lines: Sequence[str]) -> str:
 
 
 def parse_fortran(written: str, decimal: str = ".") -> Grammar:
-    """Return the grammar of a Fortran format of a line, such as `8F9.6`, `(8F10.5)`, `5E15.7` or `10I8`.
+    """Return the grammar of a Fortran format of a line, such as `8F9.6`, `(8F10.5)`, `5E15.7`, `10I8` or `10X,8F9.6`.
 
     Raises
     ------
     ValueError : it is none
     """
     match = _FORTRAN.match(written.strip())
-    count = int(match[1] or 1) if match else 0
+    count = int(match[2] or 1) if match else 0
     if match is None or count == 0:
         raise ValueError(written)
-    return Grammar(BLANKS, decimal, "", (int(match[2]),) * count, int(match[3] or 0) > 0)
+    return Grammar(BLANKS, decimal, "", (int(match[3]),) * count, int(match[4] or 0) > 0, int(match[1] or 0))
 
 
 def guess_fortran(line: str) -> str:
@@ -334,14 +367,14 @@ def load_text(path: Path, what: str) -> TextFile:
     raw = raw.rstrip(b"\x1a")  # the end of a file of DOS
     if len(raw.translate(None, _CONTROL)) < len(raw):
         kind = next((name for sign, name in _BINARY if raw.startswith(sign)), "")
-        hint = f"export it as text; give a {what} that holds numbers in lines"
+        hint = f"export it as text, in UTF-8; give a {what} that holds numbers in lines"
         raise InputError(Problem(f"not a text file{f', but {kind}' if kind else ''}", hint, shorten_path(path)))
     try:
         decoded = raw.decode("utf-8-sig")
     except UnicodeDecodeError:
         encoding = "Latin-1"  # names of places in old files; every number is ASCII
         decoded = raw.decode("latin-1")
-    lines = re.split(r"\r\n|\r|\n", decoded.replace("\u2212", "-"))
+    lines = re.split(r"\r*\n|\r", decoded.translate(_PLAIN_SIGNS))
     while lines and not lines[-1].strip():
         lines.pop()
     text = TextFile(path, lines, encoding)

@@ -14,7 +14,7 @@ from pounding_cli.numbers import pluralize
 from pounding_cli.records.declaration import KEPT, Declaration
 from pounding_cli.records.motion import GRAVITY, Motion, displacement, pgv, velocity
 from pounding_cli.records.samples import MotionWarning, Samples
-from pounding_cli.records.units import ACCELERATION_UNITS, find_stated_units
+from pounding_cli.records.units import ACCELERATION_UNITS, find_acceleration_unit, find_stated_units
 
 MAX_PEAK = 5.0 * GRAVITY
 """Peak beyond which the unit is wrong [m/s2]: the strongest ground acceleration recorded is nearly 4 g, vertical, at
@@ -22,6 +22,9 @@ IWTH25 in Iwate-Miyagi 2008 (Aoi, Kunugi and Fujiwara, 2008, Science 322, 727-73
 
 MAX_USUAL_STEP = 0.05
 """Accelerographs sample at 50 Hz at least; a longer step is most often a sample number taken for a time [s]."""
+
+MIN_USUAL_STEP = 0.001
+"""Few accelerographs sample at more than 1000 Hz; a shorter step is most often minutes taken for seconds [s]."""
 
 MAX_USUAL_DISPLACEMENT = 10.0
 """The ground beside a fault that broke moved by up to ten metres [m]: Chi-Chi 1999 by 9.9 m (Yang et al., 2000, Earth
@@ -55,8 +58,10 @@ def check_samples(text: TextFile, samples: Samples, declared: Declaration) -> It
     largest = float(sizes.max())
     if largest == 0.0:
         raise text.refuse("every sample is zero", "give a file that holds a ground motion", samples.line)
-    if declared.baseline != KEPT:
-        yield from _check_extreme(text, samples, sizes, largest)
+    yield from _check_extreme(text, samples, sizes, largest, declared.baseline == KEPT)
+    if samples.dt < MIN_USUAL_STEP * (1 - 1e-6):
+        message = f"the time step is {samples.dt:g} s, shorter than the {MIN_USUAL_STEP:g} s of any accelerograph"
+        yield MotionWarning(message, "check that the times are in seconds; write `dt:` if they are not")
     if samples.dt > MAX_USUAL_STEP * (1 + 1e-6):
         message = f"the time step is {samples.dt:g} s, longer than the {MAX_USUAL_STEP:g} s of any accelerograph"
         yield MotionWarning(message, "check that the column of times is no sample number; write `dt:` if it is")
@@ -68,16 +73,20 @@ def check_samples(text: TextFile, samples: Samples, declared: Declaration) -> It
         yield MotionWarning(message, f"write `unit: {stated[0]}` if the file is right")
 
 
-def _is_one_unit(first: str, second: str) -> bool:
-    """Return whether two names are of one unit; multiples of a unit that is stated are not told apart."""
-    plain = first.replace("^", "")
-    names = {name: size for name, size in ACCELERATION_UNITS.items()}
-    name = plain if plain in names else plain.lower()
-    return second == first or name in second.replace("^", "") or names.get(name) == names.get(second.lower())
+def _is_one_unit(stated: str, declared: str) -> bool:
+    """Return whether a unit that is stated is the one declared, or one of which that is a multiple, 0.01 g."""
+    size = find_acceleration_unit(stated)
+    words = declared.split()
+    sizes = {find_acceleration_unit(declared), find_acceleration_unit(words[-1])}
+    return any(each is not None and size is not None and abs(each / size - 1) < 1e-6 for each in sizes)
 
 
-def _check_extreme(text: TextFile, samples: Samples, sizes: np.ndarray, largest: float) -> Iterator[MotionWarning]:
+def _check_extreme(
+    text: TextFile, samples: Samples, sizes: np.ndarray, largest: float, is_meant: bool
+) -> Iterator[MotionWarning]:
     """Yield a warning where one sample is far beyond all others.
+
+    is_meant : whether spikes may be
 
     Raises
     ------
@@ -91,13 +100,17 @@ def _check_extreme(text: TextFile, samples: Samples, sizes: np.ndarray, largest:
     value = float(samples.values[is_extreme][0])
     ratio = largest / others
     is_nines = largest.is_integer() and largest >= 999 and set(f"{largest:.0f}") == {"9"}
-    if (count > 1 and ratio > REPEATED_RATIO) or (is_nines and (count > 1 or ratio > 1.5)):
+    place = int(np.argmax(sizes))
+    is_repeated = count > 1 and ratio > REPEATED_RATIO and not is_meant
+    if is_repeated or (is_nines and (count > 1 or ratio > 1.5)):
         times = pluralize(count, "time")
-        message = f"{value:g} stands {times} among the samples, and the largest other is {others:g}: a mark for none"
-        raise text.refuse(message, "cut the record before the gap, or give one without; `rows:` ends it", samples.line)
-    if ratio > REPEATED_RATIO:
-        place = samples.dt * int(np.argmax(sizes))
-        message = f"one sample, {value:g} at {place:g} s, is {ratio:.3g} times the largest other"
+        message = (
+            f"{value:g} stands {times} among the samples, and the largest other is {others:g}: samples are missing"
+        )
+        raise text.refuse(message, "cut the record before the gap; `rows:` ends it there", samples.find_line(place))
+    if ratio > REPEATED_RATIO and not is_meant:
+        when = f"{samples.dt * place:g} s, line {samples.find_line(place)}"
+        message = f"one sample, {value:g} at {when}, is {ratio:.3g} times the largest other"
         yield MotionWarning(message, "check that it is no spike; `skip:` passes over a number above the samples")
 
 
@@ -113,9 +126,10 @@ def check_motion(text: TextFile, motion: Motion, samples: Samples, declared: Dec
     peak = motion.pga
     in_g = f"{peak / GRAVITY:.4g} g"
     if peak > MAX_PEAK:
-        message = f"the peak is {in_g} read in {samples.unit}: no ground motion is that strong"
+        line = samples.find_line(int(np.argmax(np.abs(motion.acceleration))))
+        message = f"the peak is {in_g} read in {samples.unit}, on line {line}: no ground motion is that strong"
         hint = f"give the unit of the file: {', '.join(ACCELERATION_UNITS)}; recorder counts need their scale"
-        raise text.refuse(message, f"{hint}, e.g. 6.34e-4 gal", samples.line)
+        raise text.refuse(message, f"{hint}, e.g. 6.34e-4 gal", line)
     yield from _check_drift(text, motion, samples, declared)
 
 
@@ -131,13 +145,17 @@ def _check_drift(text: TextFile, motion: Motion, samples: Samples, declared: Dec
     cure = "write `baseline: mean` to take the mean away, or `baseline: kept` if it is meant so"
     if not is_meant and (values.min() >= 0 or values.max() <= 0):
         message = "all samples have one sign: a spectrum, a displacement or a push, no ground motion"
-        hint = "declare the column of the acceleration, `column:`, or write `baseline: kept` if it is meant so"
+        hint = "declare the column of the acceleration, `column:`; write `baseline: mean` if an offset is in it, or "
+        hint += "`baseline: kept` if it is meant so"
         raise text.refuse(message, hint, samples.line)
     reach = float(np.abs(displacement(motion)).max())
     end = float(velocity(motion)[-1])
     without_mean = Motion(motion.name, motion.dt, values - values.mean())
     words = f"the samples have a mean of {values.mean():.3g} m/s2, so that the ground ends at {end:.3g} m/s"
     words += f", up to {reach:.3g} m away"
+    if abs(values.mean()) < 1e-6 * motion.pga:
+        words = f"the ground goes up to {reach:.3g} m away"
+        cure = "check the time step, `dt:` or `time:`; write `baseline: kept` if it is meant so"
     if reach > MAX_DISPLACEMENT and not is_meant:
         raise text.refuse(f"{words}; no ground goes beyond {MAX_DISPLACEMENT:g} m", cure, samples.line)
     drifts = abs(end) > MAX_USUAL_END_VELOCITY * pgv(without_mean) and abs(values.mean()) > MAX_USUAL_MEAN * motion.pga

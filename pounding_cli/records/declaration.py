@@ -6,7 +6,7 @@ import math
 import re
 from dataclasses import dataclass, fields
 
-from pounding_cli.cells import BLANKS, SEPARATORS
+from pounding_cli.cells import BLANKS, SEPARATORS, parse_fortran
 
 SEPARATOR_NAMES = {"tab": "\t", "blank": BLANKS, **{sign: sign for sign in SEPARATORS}}
 """How separators are declared."""
@@ -33,7 +33,7 @@ class Declaration:
     separator : what parts cells, one of `SEPARATOR_NAMES`; None: as the first row of numbers shows
     decimal : "." or ","
     thousands : sign between thousands; None: none
-    format : of an instrument, or the Fortran format of the rows such as 8F9.6
+    format : of an instrument, the Fortran format of the rows such as 8F9.6, or `plain` for rows in any case
     channel : of an instrument's file with several, from 1
     baseline : one of `BASELINES`; None: samples stay as they are, and the ground must not drift away
     """
@@ -55,6 +55,14 @@ class Declaration:
         """Return what is declared, by its key."""
         given = {field.name: getattr(self, field.name) for field in fields(self)}
         return {key: value for key, value in given.items() if value is not None}
+
+    def is_fortran(self) -> bool:
+        """Return whether the format is one of Fortran, of the columns in which numbers are printed."""
+        try:
+            parse_fortran(self.format or "")
+        except ValueError:
+            return False
+        return True
 
     def write(self, file: str) -> str:
         """Return the entry of a study that declares so; UNKNOWN_STEP stands for a `dt` that is not a number."""

@@ -34,10 +34,12 @@ def read_at2(text: InstrumentFile) -> Samples | None:
     Chiou, Darragh, Gregor and Silva (2008), NGA project strong-motion database, Earthquake Spectra 24(1), 23-44.
     """
     third, fourth = text.first + 2, text.first + 3
-    size, line = text.search(r"^NPTS ?= ?(\d{1,9}) ?, ?DT ?= ?([-+.\dE]+)", range(fourth, fourth + 1))
+    size, line = text.search(
+        r"^NPTS ?= ?(\d{1,9}) ?,? ?DT ?= ?([-+.\dE]+)(?: ?SEC\b| ?,| ?\Z)", range(fourth, fourth + 1)
+    )
     if size is None:
         size, line = text.search(r"^(\d{1,9}) ([-+.\dE]+) NPTS, ?DT", range(fourth, fourth + 1))
-    kind = r"^(acceleration|velocity|displacement)\b.*in units? of ([^\s,;]+)"
+    kind = r"^(acceleration|velocity|displacement)\b.*in units? of ([^\s,;]+?)\.?(?:[\s,;]|\Z)"
     quantity, unit_line = text.search(kind, range(third, third + 1))
     if size is None or quantity is None:
         return None
@@ -62,7 +64,10 @@ def read_pound(text: InstrumentFile) -> Samples | None:
     if not {"unit", "dt"} <= header.keys():
         return None
     written, line = header["dt"]
-    step = text.step(written.removesuffix("s").strip(), line)
+    seconds = re.fullmatch(r"([-+.\dEe]+) ?s?", written)
+    if seconds is None:
+        raise text.refuse(f"the time step is written '{written[:40]}'", "write it in seconds, `# dt: 0.01 s`", line)
+    step = text.step(seconds[1], line)
     rows = text.rows(end)
     wide = next((row for row in rows if len(row.cells) != 1), None)
     if wide is not None:

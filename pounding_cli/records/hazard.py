@@ -18,7 +18,7 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import pluralize
 from pounding_cli.reading import shorten_path
 from pounding_cli.records.declaration import Declaration
-from pounding_cli.records.plain import NumberRows, read_number_rows
+from pounding_cli.records.number_rows import NumberRows, read_number_rows
 from pounding_cli.records.units import find_acceleration_unit
 from pounding_cli.units import GRAVITY, find_unit_factor
 

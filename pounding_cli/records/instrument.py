@@ -41,7 +41,8 @@ class InstrumentFile:
 
     def refuse_damaged(self, message: str, line: int) -> InputError:
         """Return the refusal of a file that is not as its format says."""
-        return self.refuse(message, "the file is cut short or damaged: download it again, or correct its header", line)
+        hint = "the file is cut short or damaged: download it again, or correct its header; "
+        return self.refuse(message, f"{hint}`format: plain` reads its rows as you declare them", line)
 
     def refuse_quantity(self, quantity: str, line: int) -> InputError:
         """Return the refusal of a velocity, a displacement, a spectrum."""

@@ -16,12 +16,16 @@ from pounding_cli.errors import InputError
 from pounding_cli.records.checks import MAX_PEAK
 from pounding_cli.records.declaration import Declaration
 from pounding_cli.records.motion import GRAVITY
-from pounding_cli.records.plain import NumberRows, read_number_rows, read_plain
+from pounding_cli.records.number_rows import NumberRows, read_number_rows
+from pounding_cli.records.plain import read_plain
 from pounding_cli.records.samples import Samples
 from pounding_cli.records.units import ACCELERATION_UNITS, USUAL_UNITS, find_stated_units
 
 UNKNOWN_UNIT = "UNIT"
 """Stands in a proposal where nothing shows the unit."""
+
+ANY_STEP = 0.010101
+"""Time step with which a file is tried whose step is not known: no file states it [s]."""
 
 MAX_COLUMNS = 40
 """Columns of which a proposal shows the peak."""
@@ -89,6 +93,7 @@ def propose(text: TextFile, declared: Declaration) -> Proposal:
         numbers = range(1, min(rows.width, MAX_COLUMNS) + 1)
         columns = tuple(_measure_column(str(number), rows.take_column(number), rows, number) for number in numbers)
     unit, why = (declared.unit, "as declared") if declared.unit else _find_unit(samples)
+    unit = (found.unit or UNKNOWN_UNIT).replace(UNKNOWN_UNIT, unit)  # a factor of the file stands before it
     return Proposal(replace(found, unit=unit), columns, why, fault)
 
 
@@ -100,8 +105,17 @@ def _find_declaration(text: TextFile, declared: Declaration) -> tuple[Declaratio
     ------
     InputError : there is none
     """
-    is_told = declared.time is not None or declared.dt is not None
-    found = declared if is_told else replace(declared, time=1)
+    if declared.time is not None or declared.dt is not None:
+        return _follow_cures(text, declared)
+    try:
+        return _follow_cures(text, replace(declared, time=1))
+    except InputError:  # column 1 holds no times
+        return _follow_cures(text, replace(declared, dt=math.nan))
+
+
+def _follow_cures(text: TextFile, declared: Declaration) -> tuple[Declaration, Samples, str]:
+    """Return what `_find_declaration` does, of what cures each refusal in turn."""
+    found = replace(declared, unit=declared.unit or UNKNOWN_UNIT)
     fault = ""
     for _ in range(MAX_CURES):
         try:
@@ -109,19 +123,13 @@ def _find_declaration(text: TextFile, declared: Declaration) -> tuple[Declaratio
         except CurableError as refused:
             fault = fault or _write_fault(refused)
             found = replace(found, **refused.cure)
-        except InputError:
-            if is_told or found.time is None:
-                raise
-            fault = ""
-            found = replace(declared, dt=math.nan)  # column 1 holds no times
-            is_told = True
     return found, _read_with_any_step(text, found), fault
 
 
 def _read_with_any_step(text: TextFile, declared: Declaration) -> Samples:
-    """Return the samples of a file, with a step of 0.01 s where it is not known."""
+    """Return the samples of a file, with some step where it is not known."""
     is_unknown = declared.dt is not None and math.isnan(declared.dt)
-    return read_plain(text, replace(declared, dt=0.01) if is_unknown else declared)
+    return read_plain(text, replace(declared, dt=ANY_STEP) if is_unknown else declared)
 
 
 def _write_fault(refused: InputError) -> str:

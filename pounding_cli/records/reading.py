@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
-from pounding_cli.cells import CurableError, TextFile, load_text, parse_fortran
+from pounding_cli.cells import CurableError, TextFile, load_text
 from pounding_cli.errors import InputError
 from pounding_cli.numbers import pluralize
 from pounding_cli.records.checks import MAX_PEAK as MAX_PEAK  # others take it from here
@@ -103,16 +102,11 @@ def _check_declared(text: TextFile, declared: Declaration) -> None:
         raise text.refuse(f"unknown baseline '{declared.baseline}'", f"write {' or '.join(BASELINES)}")
     if declared.decimal not in (None, ".", ","):
         raise text.refuse(f"unknown decimal sign '{declared.decimal}'", """write "." or "," """.strip())
-    signs = [declared.decimal or ".", declared.thousands, SEPARATOR_NAMES.get(declared.separator or "")]
-    given = [sign for sign in signs if sign]
-    if len(set(given)) < len(given):
-        raise text.refuse("one sign is declared for two of decimal, thousands and separator", "give each its own")
-    if declared.format not in (None, *FORMATS):
-        try:
-            parse_fortran(declared.format or "")
-        except ValueError:
-            hint = f"write one of {', '.join(FORMATS)}, or the Fortran format of the rows, e.g. 8F9.6"
-            raise text.refuse(f"unknown format '{declared.format}'", hint) from None
+    if declared.thousands == (declared.decimal or "."):
+        raise text.refuse(f"'{declared.thousands}' is declared for decimals and thousands", "give each its own sign")
+    if declared.format not in (None, PLAIN, *FORMATS) and not declared.is_fortran():
+        hint = f"write one of {', '.join(FORMATS)}, {PLAIN}, or the Fortran format of the rows, e.g. 8F9.6"
+        raise text.refuse(f"unknown format '{declared.format}'", hint)
     for key in ("time", "column", "rows", "channel"):
         if (number := getattr(declared, key)) is not None and number < 1:
             raise text.refuse(f"{key} is {number}", "columns, rows and channels are counted from 1")
@@ -147,9 +141,9 @@ def _read_samples(text: TextFile, declared: Declaration) -> tuple[str, Samples]:
     try:
         return PLAIN, read_plain(text, declared)
     except CurableError as refused:
-        line = replace(declared, **refused.cure).write(text.path.name)
+        line = replace(declared, **refused.cure).write(str(text.path))
         problem = refused.problems[0]
-        raise InputError(dataclasses.replace(problem, hint=f"{problem.hint}: {line}")) from None
+        raise InputError(replace(problem, hint=f"{problem.hint}\n    {line}")) from None
 
 
 def _check_instrument(text: TextFile, name: str, declared: Declaration) -> None:
@@ -204,19 +198,19 @@ def _refuse_undeclared(text: TextFile, declared: Declaration) -> InputError:
         found = propose(text, declared)
     except InputError as refused:
         return refused
-    line = found.declared.write(text.path.name)
+    line = found.declared.write(str(text.path))
     message = f"this file is of no instrument's format, and nothing says {' and '.join(missing)}"
     if found.fault:
         message += f"; {found.fault}"
-    hints = [f"write {line}"]
-    if found.declared.unit == UNKNOWN_UNIT:
+    hints = ["write the line below"]
+    if UNKNOWN_UNIT in (found.declared.unit or ""):
         hints.append(f"{UNKNOWN_UNIT} is its unit, e.g. g or cm/s2")
     elif declared.unit is None:
         hints.append(f"{found.declared.unit} stands {found.why}")
     if UNKNOWN_STEP in line:
         hints.append(f"{UNKNOWN_STEP} is its time step, e.g. 0.01 s")
     hints.append("`pound records import` shows its columns")
-    return text.refuse(message, "; ".join(hints), 1)
+    return text.refuse(message, "; ".join(hints) + f"\n    {line}", 1)
 
 
 def _describe(text: TextFile, file_format: str, samples: Samples, motion: Motion) -> tuple[str, ...]:
@@ -229,9 +223,11 @@ def _describe(text: TextFile, file_format: str, samples: Samples, motion: Motion
     peak = f"peak {motion.pga:.4g} m/s2 = {motion.pga / GRAVITY:.4g} g at {place:g} s"
     every = f"every {samples.dt:g} s to {motion.duration:g} s"
     taken = f"{text.path.name}: {count} {where}{every}, {samples.unit}{encoding}; {peak}"
-    if not samples.unread:
-        return (taken,)
-    shown = ", ".join(f"'{line.words[:60]}'" for line in samples.unread[:QUOTED_LINES])
-    more = " ..." if len(samples.unread) > QUOTED_LINES else ""
-    lines = pluralize(len(samples.unread), "line")
-    return taken, f"{lines} not read: {shown}{more}"
+    notes = []
+    if samples.unread:
+        shown = ", ".join(f"'{line.words[:60]}'" for line in samples.unread[:QUOTED_LINES])
+        more = " ..." if len(samples.unread) > QUOTED_LINES else ""
+        notes.append(f"{pluralize(len(samples.unread), 'line')} not read: {shown}{more}")
+    if samples.below:
+        notes.append(f"{pluralize(samples.below, 'line')} below not read")
+    return (taken, "; ".join(notes)) if notes else (taken,)

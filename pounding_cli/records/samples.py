@@ -37,6 +37,8 @@ class Samples:
     words : which values they are: "of column 2", "row by row"
     unread : lines with words above, between and below the numbers
     heading : the cell above the column, "" for none
+    lines : of every sample, from 1, shape (n,); None in an instrument's format
+    below : number of lines below the numbers that are not read
     name, baseline : of the motion, as the file states them; "" for none
     """
 
@@ -50,3 +52,9 @@ class Samples:
     name: str = ""
     baseline: str = ""
     unit_line: int = 0
+    lines: np.ndarray | None = None
+    below: int = 0
+
+    def find_line(self, place: int) -> int:
+        """Return the line of a sample, from 1; that of the first one in an instrument's format."""
+        return self.line if self.lines is None else int(self.lines[place])

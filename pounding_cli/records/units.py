@@ -26,8 +26,8 @@ _STATED = re.compile(
 def find_acceleration_unit(text: str) -> float | None:
     """Return one of the unit `text` in m/s2; None where it is no unit of acceleration.
 
-    Read are `cm/s2`, `m/s^2`, `cm/sec/sec`, `g`, `gal`, and multiples: `0.01 g`, `3920/6182761 gal` (one count of a
-    recorder).
+    Read are `cm/s2`, `CM/SEC2`, `m/s^2`, `cm/sec/sec`, `g`, `gal`, and multiples: `0.01 g`, `3920/6182761 gal` (one
+    count of a recorder).
     """
     multiple = 1.0
     unit = text.strip()
@@ -36,11 +36,13 @@ def find_acceleration_unit(text: str) -> float | None:
         multiple = float(match[1]) / divisor if divisor else 0.0
         unit = match[3].strip()
     plain = unit.lower() if unit.lower() in ("g", "gal") else unit
-    try:
-        one = ACCELERATION_UNITS.get(plain) or find_unit_factor(plain, "m/s2")
-    except ValueError:
-        return None
-    return multiple * one if one and 0 < multiple < 1e12 else None
+    for spelling in (plain, plain.lower()):
+        try:
+            one = ACCELERATION_UNITS.get(spelling) or find_unit_factor(spelling, "m/s2")
+        except ValueError:
+            continue
+        return multiple * one if one and 0 < multiple < 1e12 else None
+    return None
 
 
 def find_quantity(unit: str) -> str:

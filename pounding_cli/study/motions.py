@@ -302,7 +302,7 @@ def _merge_refusals(refusals: Sequence[InputError], written: str) -> Iterator[In
     the line to paste."""
     alike: dict[tuple[str, str], list[Problem]] = {}
     for problem in (each for refused in refusals for each in refused.problems):
-        hint = problem.hint.replace(records.write_file(Path(problem.file).name), records.write_file(written))
+        hint = problem.hint.replace(records.write_file(problem.file), records.write_file(written))
         alike.setdefault((problem.message, hint), []).append(problem)
     for (message, hint), problems in alike.items():
         more = len(problems) - 1

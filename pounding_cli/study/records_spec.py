@@ -9,7 +9,6 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field, WrapValidator, model_validator
 
-from pounding_cli.cells import parse_fortran
 from pounding_cli.records.code_spectra import (
     ASCE7,
     CODES,
@@ -22,7 +21,7 @@ from pounding_cli.records.code_spectra import (
     CodeSpectrum,
 )
 from pounding_cli.records.declaration import BASELINES, Declaration
-from pounding_cli.records.reading import MAX_PEAK, MOTION_FORMATS
+from pounding_cli.records.reading import MAX_PEAK, MOTION_FORMATS, PLAIN
 from pounding_cli.records.sines import MAX_CYCLES, Sine
 from pounding_cli.records.units import ACCELERATION_UNITS, find_acceleration_unit
 from pounding_cli.study.base import LabelText, Model, SpecIssue, errors, spec_field, tagged_union
@@ -55,13 +54,9 @@ TargetPart = Annotated[float, Quantity("part of the target", "", "90 %", 0.0, 2.
 
 
 def _check_format(text: str) -> str:
-    if text in MOTION_FORMATS:
-        return text
-    try:
-        parse_fortran(text)
-    except ValueError:
-        hint = f"write one of {', '.join(MOTION_FORMATS)}, or the Fortran format of the rows, e.g. 8F9.6"
-        raise refuse(f"'{text}' is not a format", hint) from None
+    if text not in (*MOTION_FORMATS, PLAIN) and not Declaration(format=text).is_fortran():
+        hint = f"write one of {', '.join(MOTION_FORMATS)}, {PLAIN}, or the Fortran format of the rows, e.g. 8F9.6"
+        raise refuse(f"'{text}' is not a format", hint)
     return text
 
 
@@ -89,7 +84,7 @@ class RecordFileSpec(Model):
     decimal: Literal[".", ","] | None = spec_field(None, "decimal sign; default: a point")
     thousands: Literal[",", ".", "'", " "] | None = spec_field(None, "sign between thousands; default: none")
     format: Annotated[str, AfterValidator(_check_format)] | None = spec_field(
-        None, f"{', '.join(MOTION_FORMATS)}; default: detected; or the Fortran format of the rows, 8F9.6"
+        None, f"{', '.join(MOTION_FORMATS)}; default: detected; the Fortran format of the rows, 8F9.6; or plain"
     )
     channel: Number | None = spec_field(None, "channel of an instrument's file with several, from 1")
     baseline: Literal[BASELINES] | None = spec_field(  # type: ignore[valid-type]

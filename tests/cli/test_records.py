@@ -69,7 +69,7 @@ def test_show_takes_a_column(records):
     lines = (f"{0.01 * i:.2f},0.1,{0.2 * (-1) ** i}\n" for i in range(100))
     Path("t.csv").write_text("t,x (g),y (g)\n" + "".join(lines))
     refused = records("show", "t.csv", "--unit", "g", "--time", 1)[2]
-    assert "write `column:`, one of 2, 3: {file: t.csv, unit: g, time: 1, column: 2}" in " ".join(refused.split())
+    assert "write `column:`, from 1 to 3 {file: t.csv, unit: g, time: 1, column: 2}" in " ".join(refused.split())
     assert "peak              0.2000 g" in records("show", "t.csv", "--unit", "g", "--time", 1, "--column", 3)[1]
 
 

@@ -66,6 +66,13 @@ ROWS = {
     "decimal-comma-two": lines(IN_TIMES, COMMAS, between=";"),
     "decimal-comma-blank": lines(IN_TIMES, COMMAS),
     "decimal-comma-comma": lines(IN_TIMES, COMMAS, between=","),
+    "quoted-decimal-commas": "".join(f'"{time}","{value}"\n' for time, value in zip(IN_TIMES, COMMAS, strict=True)),
+    "points-of-thousands": lines([word.replace(",", ".") for word in THOUSANDS]),
+    "milliseconds": lines([f"{20 * place}" for place in range(8)], ONE),
+    "pairs": wrapped([word for pair in zip(TIMES, ONE, strict=True) for word in pair], 4),
+    "comment-among": lines(TIMES[:3], ONE[:3]) + "# peak\n" + lines(TIMES[3:], ONE[3:]),
+    "double-spaced": lines(TIMES, ONE).replace("\n", "\n\n"),
+    "times-before-rows": "".join(f"{0.04 * n:6.2f}{row}\n" for n, row in enumerate(wrapped(ONE, 2).splitlines())),
     "thousands": lines(TIMES, THOUSANDS, between="\t"),
     "semicolon-thousands": lines(IN_TIMES, [word.replace(",", ".") for word in THOUSANDS], between=";"),
     "with-unit": lines(TIMES, [ONE[0], ONE[1] + "g", *ONE[2:]]),
@@ -124,11 +131,12 @@ def read_pasted(path: Path, refused: pound.InputError, filled: dict[str, str]) -
 
 @pytest.mark.parametrize("case", CASES, ids=told)
 def test_the_file_is_read_as_declared_or_refused_with_the_line(
-    tmp_path: Path, case: tuple[str, dict[str, Any]]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, case: tuple[str, dict[str, Any]]
 ) -> None:
+    monkeypatch.chdir(tmp_path)
     _, row = case
     content = FILES[row["file"]] if "file" in row else f"{row['head']}\n".lstrip("\n") + ROWS[row["rows"]]
-    path = tmp_path / "motion.txt"
+    path = Path("motion.txt")
     path.write_bytes(content if isinstance(content, bytes) else content.encode(row.get("encoding", "utf-8")))
     declared = Declaration(**row.get("give", {}))
     if "refused" in row:

@@ -36,12 +36,13 @@ def test_the_unit_that_is_declared(tmp_path, unit, one):
     assert samples == pytest.approx(one * np.array([0.1, -0.25, 0.05, 0.2]), rel=1e-12)
 
 
-def test_rounded_times_are_refused_with_the_step(tmp_path):
+def test_rounded_times_are_refused_with_the_step(tmp_path, monkeypatch):
     """75 Hz with times of two decimals: fails if they are taken as they stand, or if the step is not 1/75 s."""
+    monkeypatch.chdir(tmp_path)
     values = layouts.samples(0.3, 203)
     rows = "".join(f"{place / 75:.2f},{value}\n" for place, value in enumerate(values))
     with pytest.raises(pound.InputError, match=r"rounded to 0.01 s") as caught:
-        read(tmp_path, f"Time (s),Acc (g)\n{rows}", unit="g", time=1)
+        read(Path(), f"Time (s),Acc (g)\n{rows}", unit="g", time=1)
     assert "{file: motion.txt, unit: g, dt: 0.01333333 s, column: 2}" in caught.value.problems[0].hint
 
 
