@@ -132,21 +132,19 @@ def show(motion: str, window: float | None, output: Path | None, **options: Any)
         found = motions.read_set_motion(set_motion)
         title = f"{set_motion.name}: {set_motion.title}"
         place = found.source
-        read_as = None
+        reading = None
     elif is_of_catalogue or (not os.path.exists(motion) and not Path(motion).suffix):
         known = motions.get_entry(motion, motions.MOTION_SETS)
         found = motions.load_motion(motion)
         title = known.title
         place = str(motions.locate_motion(motion)[0])
-        read_as = None
+        reading = None
         window = window or known.duration
     else:
         reading = motions.read_file(motion, motions.Declaration(**options))
-        _tell_taken(reading)
         found = reading.motion
         title = Path(motion).name
         place = motion
-        read_as = reading.format
     if window is not None:
         found = found.cut_to(window)
         if found.pga == 0.0:
@@ -156,7 +154,9 @@ def show(motion: str, window: float | None, output: Path | None, **options: Any)
 
         check_output(output, [Path(place)])
         save_motion_figure(found, title, output)
-    _print_measures(found, title, place, read_as)
+    if reading is not None:
+        _tell_taken(reading)
+    _print_measures(found, title, place, None if reading is None else reading.format)
     if output is not None:
         click.echo(f"\ndrawn: {output}")
 
@@ -184,11 +184,11 @@ def import_(file: Path, name: str | None, force: bool, **options: Any) -> None:
     known = motions.get_entry(name)
     target = motions.user_folder() / f"{name}.txt"
     reading = motions.read_file(file, declared, name=name, source="real")
-    _tell_taken(reading)
     motion = reading.motion
     if target.exists() and not force:
         hint = "use --force to replace it, or delete that file"
         raise InputError(Problem(f"'{name}' was imported before", hint, str(target)))
+    _tell_taken(reading)
     motions.save_motion(name, motion, file)
     click.echo(f"imported: {file} as {name} ({known.title}) -> {target}")
     click.echo("\n".join(f"  {line}" for line in known.compare(motion)))

@@ -24,9 +24,9 @@ MAX_USUAL_STEP = 0.05
 """Accelerographs sample at 50 Hz at least; a longer step is most often a sample number taken for a time [s]."""
 
 MAX_USUAL_DISPLACEMENT = 10.0
-"""The ground beside a fault that broke moved by up to ten metres [m]: Chi-Chi 1999 by 9 m at TCU068 (Oglesby and Day,
-2001, Bull. Seism. Soc. Am. 91(5), 1099-1111); the fault offset of Kaikoura 2016 reached 12 m (Kearse et al., 2018,
-Bull. Seism. Soc. Am. 108(3B), 1605-1619)."""
+"""The ground beside a fault that broke moved by up to ten metres [m]: Chi-Chi 1999 by 9.9 m (Yang et al., 2000, Earth
+Planets Space 52, 403-413, doi:10.1186/BF03352252); the two sides of the Kekerengu fault moved by 12 m against each
+other in Kaikoura 2016 (Kearse et al., 2018, Bull. Seism. Soc. Am. 108(3B), 1605-1619)."""
 
 MAX_DISPLACEMENT = 10.0 * MAX_USUAL_DISPLACEMENT
 """Ten times what the ground ever did: beyond, the samples have an offset, or are no acceleration [m]."""

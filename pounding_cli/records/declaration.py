@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass, fields
 
 from pounding_cli.cells import BLANKS, SEPARATORS
@@ -74,5 +75,5 @@ def write_file(file: str) -> str:
 def _write_value(value: object) -> str:
     """Return a value as YAML writes it in braces."""
     text = str(value)
-    is_plain = text.replace("_", "").replace("-", "").replace(".", "").replace("/", "").replace(" ", "").isalnum()
-    return text if is_plain and text[0] not in "-." else '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
+    is_plain = re.fullmatch(r"\w[\w ./*?-]*", text) is not None
+    return text if is_plain else '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'

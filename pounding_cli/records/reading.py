@@ -116,6 +116,8 @@ def _check_declared(text: TextFile, declared: Declaration) -> None:
     for key in ("time", "column", "rows", "channel"):
         if (number := getattr(declared, key)) is not None and number < 1:
             raise text.refuse(f"{key} is {number}", "columns, rows and channels are counted from 1")
+    if declared.skip is not None and declared.skip < 0:
+        raise text.refuse(f"skip is {declared.skip}", "write the number of lines above the numbers")
 
 
 def _read_samples(text: TextFile, declared: Declaration) -> tuple[str, Samples]:
@@ -213,7 +215,7 @@ def _refuse_undeclared(text: TextFile, declared: Declaration) -> InputError:
         hints.append(f"{found.declared.unit} stands {found.why}")
     if UNKNOWN_STEP in line:
         hints.append(f"{UNKNOWN_STEP} is its time step, e.g. 0.01 s")
-    hints.append(f"`pound records import {text.path.name}` shows its columns")
+    hints.append("`pound records import` shows its columns")
     return text.refuse(message, "; ".join(hints), 1)
 
 

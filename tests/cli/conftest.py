@@ -34,7 +34,7 @@ def folder(request, tmp_path, monkeypatch) -> Path:
     monkeypatch.setenv("POUND_HOME", str(tmp_path / "home"))
     time = np.arange(0.0, 0.5, 0.01)
     for name, peak in (("weak", 0.1), ("strong", 0.4)):
-        np.savetxt(tmp_path / f"{name}.txt", np.column_stack([time, peak * np.sin(12 * time)]), header="unit: g")
+        np.savetxt(tmp_path / f"{name}.txt", peak * np.sin(12 * time), header="unit: g\ndt: 0.01 s")
     (tmp_path / "two.yaml").write_text(getattr(request.module, "STUDY", TWO))
     return tmp_path
 

@@ -156,7 +156,7 @@ def test_every_new_time_history_has_the_key_that_made_it_so(folder, pound, chang
         study.write_text(study.read_text().replace(old, new, 1))
     if "weak.txt" in study.read_text():
         time = np.arange(0.0, 0.5, 0.01)
-        np.savetxt("weak.txt", np.column_stack([time, 0.1 * np.sin(12 * time)]), header="unit: g")
+        np.savetxt("weak.txt", 0.1 * np.sin(12 * time), header="unit: g\ndt: 0.01 s")
     said = causes()
     assert len(said) == len(expected)
     for line, (reason, histories) in zip(said, expected.items(), strict=True):
@@ -172,7 +172,7 @@ def test_changed_samples_of_a_motion_are_the_cause(folder, pound):
     study.write_text(study.read_text().replace("use: [elcentro, taft]", "use: [weak.txt, strong.txt]"))
     pound("run", "two.yaml", "-q")
     Path("weak.txt").write_text(Path("weak.txt").read_text().replace("4.", "4.0", 1))
-    np.savetxt("strong.txt", np.column_stack([np.arange(0.0, 0.5, 0.01), np.linspace(0.1, 0.3, 50)]), header="unit: g")
+    np.savetxt("strong.txt", np.linspace(-0.1, 0.3, 50), header="unit: g\ndt: 0.01 s")
     (line,) = causes()
     assert line.startswith("motion strong, other samples: 8 time histories")
     study.write_text(study.read_text().replace(*WIDER))

@@ -137,7 +137,7 @@ def test_a_command_given_another_s_study_names_the_right_one(folder, pound, give
         ("check folder", "folder: this is not a regular file"),
         ("report r.h5 -o two.yaml", "the output folder two.yaml cannot be written: it is a file"),
         ("report r.h5 --case gap", "--case gap chooses what figures over a sweep show, and its study sweeps nothing"),
-        ("records show one.txt --column 2", "leave 'column' out"),
+        ("records show one.txt --column 2", "leave `column` out"),
         ("records show taft -o taft.xyz", "end the name with one of .png, .svg, .pdf"),
         ("init folder/", "'folder/' names no file"),
         ("export r.h5 storey -o out.xls", "out.xls is the name of no format\n    end it in .csv, .parquet, .xlsx, .nc"),
@@ -146,7 +146,7 @@ def test_a_command_given_another_s_study_names_the_right_one(folder, pound, give
 def test_a_slip_is_answered_with_what_to_write(results, folder, pound, words, said):
     """Nothing is printed or written beside it."""
     Path("empty.yaml").write_text("")
-    Path("one.txt").write_text("# dt: 0.01 s\n0.1\n0.2\n")
+    Path("one.txt").write_text("# dt: 0.01 s\n# unit: g\n0.1\n-0.2\n")
     Path("folder").mkdir()
     Path("big.h5").write_bytes(Path("r.h5").read_bytes().ljust(4_000_001, b"\0"))
     before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}

@@ -489,7 +489,7 @@ def test_the_interval_of_a_probability_is_that_of_its_gap(motions):
 # The distance to a property line
 
 ALONE = """title: An oscillator beside a property line
-records: {{use: [{{file: push.txt, unit: m/s2}}], scale: 1}}
+records: {{use: [{{file: push.txt, unit: m/s2, time: 1}}], scale: 1}}
 buildings:
   A: {{storeys: 1, mass: 100 t, height: 3 m, period: 0.5 s, rayleigh: {{alpha: 1.2, beta: 0}}, yield_shear: never}}
   B: {{like: A, period: 0.9 s}}
@@ -506,7 +506,7 @@ def test_property_line_of_an_oscillator(tmp_path):
     larger of both is taken for either, or if free vibration after the motion is left out."""
     from scipy.integrate import solve_ivp
 
-    (tmp_path / "push.txt").write_text("# unit: g\n" + "".join(f"{t} {a}\n" for t, a in PUSH))
+    (tmp_path / "push.txt").write_text("time, value\n" + "".join(f"{t} {a}\n" for t, a in PUSH))
     (tmp_path / "s.yaml").write_text(ALONE.format(tail=2))
     found = pounding_cli.run(tmp_path / "s.yaml", tmp_path / "r.h5", workflow="gap", engine="serial")
     line = found.table("property_line").set_index(["building", "side"])

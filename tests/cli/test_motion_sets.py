@@ -176,7 +176,7 @@ def test_what_names_no_motion_is_refused_at_its_place(sets, load, use, column, w
 
 def test_a_folder_with_the_name_of_a_set_is_refused_as_ambiguous(sets, load, tmp_path):
     (tmp_path / "far-field").mkdir()
-    (tmp_path / "far-field" / "a.txt").write_text("unit: g\ndt: 0.01\n" + "0.1\n-0.1\n" * 20)
+    (tmp_path / "far-field" / "a.txt").write_text("# unit: g\n# dt: 0.01 s\n" + "0.1\n-0.1\n" * 20)
     assert "write `./far-field/1` for the files" in refuse(load, "[far-field/1]")
     study = load("[./far-field]")
     assert list(study.motion_uses(study.first_point)) == ["a"]

@@ -13,6 +13,7 @@ import sys
 import tempfile
 from collections import Counter
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pounding_cli as pound
@@ -151,8 +152,13 @@ def originals(folder: Path) -> dict[str, list[tuple[str, bytes, Callable[[Path],
         "header.txt": header,
         "words.txt": words,
     }
-    files = [(name, text.encode(), pound.motion) for name, text in motions.items()]
-    files.append(("utf16.txt", pairs.encode("utf-16"), pound.motion))
+    declared = {
+        "pairs.csv": {"unit": "cm/s2", "time": 1},
+        "header.txt": {"unit": "g", "dt": 0.02, "skip": 2},
+        "words.txt": {"unit": "cm/s2", "dt": 0.02, "decimal": ","},
+    }
+    files = [(name, text.encode(), partial(pound.motion, **declared.get(name, {}))) for name, text in motions.items()]
+    files.append(("utf16.txt", pairs.encode("utf-16"), partial(pound.motion, **declared["pairs.csv"])))
     studies = [("study.yaml", STUDY.encode(), study), ("plans.yaml", PLANS.encode(), study)]
     return {"studies": studies, "motions": files}
 
