@@ -21,7 +21,7 @@ from pounding_cli.cells import BLANKS, Grammar, hint_options, load_text
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.imports.declared import GRAVITIES, ColumnSource, TableDeclaration
 from pounding_cli.imports.headings import is_named, list_headings, normalize_name
-from pounding_cli.imports.units import NO_UNITS, SYSTEM_HINT, find_factor, is_unit
+from pounding_cli.imports.units import NO_UNITS, SYSTEM_HINT, find_factor, is_same_unit, is_unit
 from pounding_cli.numbers import join_limited, pluralize
 from pounding_cli.reading import read_bytes, shorten_path
 from pounding_cli.texts import escape_controls
@@ -110,21 +110,21 @@ class ProgramTable:
     @cached_property
     def columns(self) -> tuple[ProgramColumn, ...]:
         """Its columns that have a heading; none where the row of headings holds numbers."""
-        _, (_, headings), units_row = self._head
+        headings = self._head[1][1]
         if any(self._parse(heading) is not None for heading in headings):
             return ()
-        columns = []
-        for place, heading in enumerate(headings):
-            name = format_cell(heading)
-            if not name:
-                continue
-            unit = format_cell(units_row[1][place]) if units_row and place < len(units_row[1]) else ""
-            bracketed = re.fullmatch(r"(.*?)\s*[\[(]([^\])]*)[\])]\s*", name)
-            if bracketed is not None:
-                name = bracketed[1]
-                unit = unit or bracketed[2]
-            columns.append(ProgramColumn(name, place, unit))
-        return tuple(columns)
+        return tuple(self._build_column(place) for place, heading in enumerate(headings) if format_cell(heading))
+
+    def _build_column(self, place: int) -> ProgramColumn:
+        """Return the column at a place, from 0; one without a heading is named by its number."""
+        _, (_, headings), units_row = self._head
+        name = format_cell(headings[place]) or str(place + 1)
+        unit = format_cell(units_row[1][place]) if units_row and place < len(units_row[1]) else ""
+        bracketed = re.fullmatch(r"(.*?)\s*[\[(]([^\])]*)[\])]\s*", name)
+        if bracketed is not None:
+            name = bracketed[1]
+            unit = unit or bracketed[2]
+        return ProgramColumn(name, place, unit)
 
     @cached_property
     def rows(self) -> tuple[ProgramRow, ...]:
@@ -184,18 +184,19 @@ class ProgramTable:
 
     def _find_source(self, source: ColumnSource) -> ProgramColumn | None:
         """Return the column that is declared; None where the table does not have it."""
-        for column in self.columns:
-            if column.place == source.place or (
-                source.heading and normalize_name(column.name) == normalize_name(source.heading)
-            ):
-                source.is_used = True
-                return replace(column, unit=self._agree_on_unit(column, source), factor=source.factor)
-        return None
+        places = [each.place for each in self.columns if normalize_name(each.name) == normalize_name(source.heading)]
+        if source.place >= 0:
+            places = [source.place] if self.columns and source.place < len(self._head[1][1]) else []
+        if not places:
+            return None
+        source.is_used = True
+        column = self._build_column(places[0])
+        return replace(column, unit=self._agree_on_unit(column, source), factor=source.factor)
 
     def _agree_on_unit(self, column: ProgramColumn, source: ColumnSource) -> str:
         """Return the unit of a column that is declared.  Raises InputError: the table names another."""
         has_none = column.unit.strip().lower() in NO_UNITS
-        if not source.unit or has_none or normalize_name(source.unit) == normalize_name(column.unit):
+        if not source.unit or has_none or is_same_unit(source.unit, column.unit):
             return source.unit or column.unit
         message = f"column '{column.name}' of {self.words} is in {column.unit}, and '{source.written}' says otherwise"
         raise InputError(Problem(message, "leave the unit out, or correct the table", shorten_path(self.path)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import cache
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.units import find_unit_factor, parse_unit
@@ -20,6 +21,7 @@ _SPELLINGS = {
 SYSTEM_HINT = "give --units, force and length of the model, e.g. --units 'kN, m'"
 
 
+@cache
 def find_factor(text: str, si: str) -> float | None:
     """Return one unit of a program in the SI unit `si` [-]; None where it is unknown or of another dimension.
 
@@ -45,6 +47,14 @@ def is_unit(text: str) -> bool:
     except ValueError:
         return False
     return True
+
+
+def is_same_unit(one: str, other: str) -> bool:
+    """Return whether two texts are one unit: `kN/mm` and `MN/m`."""
+    try:
+        return parse_unit(_normalize(one)) == parse_unit(_normalize(other))
+    except ValueError:
+        return one.strip() == other.strip()
 
 
 def parse_system(text: str) -> dict[str, float]:

@@ -617,7 +617,7 @@ def test_plain_tables_say_what_was_left_out_or_doubted(folder, pound, lines, wor
     assert bool(err) == bool(warnings)
 
 
-OTHER = "Ebene,Höhe [m],Gewicht [kN],K,Vy [kN]"
+OTHER = "Ebene,Höhe [m],Gewicht [kN],,Vy [kN]"
 ODD = ["3,3.2,1471.5,107,1160", "2,3.2,1962,179,1930", "1,4,2060.1,214,2320"]
 SOURCES = {"storey": "1", "height": "Höhe", "mass": "Gewicht/9.81", "stiffness": "4 [kN/mm]", "yield shear": "Vy"}
 
@@ -647,11 +647,17 @@ def test_columns_with_other_names_are_declared(folder, pound, by_file):
         ([OTHER, *ODD], {"weight": "3"}, ["--column: 'weight' is not a quantity", "known: storey, height, mass"]),
         ([OTHER, *ODD], {"mass": "0"}, ["--column: '0' is not a column"]),
         ([OTHER, *ODD], SOURCES | {"mass": "Gewicht/32.2"}, ["plain.csv:1:3", "'kN' is not a unit of mass"]),
-        ([OTHER, *ODD], SOURCES | {"stiffness": "4"}, ["column 'K'", "has no unit"]),
-        ([OTHER, *ODD], SOURCES | {"mass": "4/9.81"}, ["column 'K'", "has no unit", "`K [kN]`"]),
+        ([OTHER, *ODD], SOURCES | {"stiffness": "4"}, ["column '4'", "has no unit"]),
+        ([OTHER, *ODD], SOURCES | {"mass": "4/9.81"}, ["column '4'", "has no unit", "`4 [kN]`"]),
+        (
+            [OTHER.replace("Vy [kN", "Vy [MN"), *ODD],
+            SOURCES | {"yield shear": "Vy [mN]"},
+            ["in MN, and 'Vy [mN]' says"],
+        ),
         ([OTHER, *ODD], SOURCES | {"yield shear": "Vy [MN]"}, ["'Vy'", "is in kN, and 'Vy [MN]' says otherwise"]),
         ([PLAIN, *ROWS], {"mass": "Weight"}, ["--column 'mass=Weight' has no effect"]),
         (ROWS, {}, ["no column 'Storey'", "it has no headings"]),
+        (ROWS, {"storey": "1", "height": "2 [m]", "mass": "3 [t]", "stiffness": "4 [kN/mm]"}, ["it has no headings"]),
         ([PLAIN, *(f"{row},05" for row in ROWS)], {}, ["plain.csv:2:6: 'plain', row 2: 6 cells below 5 headings"]),
         ([PLAIN, "1,210,214,2320"], {}, ["plain.csv:2:1: 'plain', row 2: 4 cells below 5 headings"]),
         ([PLAIN, '1,4,"1,980",214,2320'], {}, ["'1,980' is not a number", "`--thousands ','` if it is 1980"]),

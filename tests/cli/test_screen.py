@@ -290,10 +290,10 @@ def test_accelerations_of_two_return_periods_go_on_below(tmp_path):
 def test_signs_of_the_cells_are_declared(tmp_path):
     """But for names."""
     row = ONE.replace("A,", "1'200 A,", 1)
-    table = f"{NAMED}pga [g]\n{row},1'200.5 mm,0.3\n".replace(",", "\t")
+    table = f"{NAMED}pga [g]\n{row},1'200.5 mm,0.3\n".replace(",", "\t").replace("\tB\t", "\t7,5\t")
     street = read_street(write_street(tmp_path, table), replace(SETTINGS, thousands="'"))
     assert street.pairs[0].gap == pytest.approx(1.2005)
-    assert street.pairs[0].names == ("1'200 A", "B")
+    assert street.pairs[0].names == ("1'200 A", "7,5")
     with pytest.raises(pounding_cli.InputError, match="is not a heading"):
         read_street(write_street(tmp_path, table), replace(SETTINGS, thousands="'", separator=";"))
 
@@ -322,7 +322,7 @@ def test_a_workbook_is_refused_as_a_table(pound):
     Path("street.xlsx").write_bytes(b"PK\x03\x04" + bytes(100))
     code, _, err = pound("screen", "street.xlsx")
     assert code == 2
-    assert "export it as text, in UTF-8" in err
+    assert "export it as text; give a table of neighbours" in err
 
 
 def test_years_need_a_zone(pound):
