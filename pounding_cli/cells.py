@@ -221,21 +221,24 @@ class Grammar:
             for place, cell in enumerate(row.cells):
                 value = self.parse(cell)
                 if value is None:
-                    raise (
-                        self._refuse_other_sign(text, row, place)
-                        if has_decimals
-                        else self.refuse_cell(text, row, place)
-                    )
+                    is_other = has_decimals and self._needs_other_sign(cell)
+                    refuse = self._refuse_other_sign if is_other else self.refuse_cell
+                    raise refuse(text, row, place)
                 has_decimals = has_decimals or self.decimal in cell
                 numbers.append(value)
         return np.array(numbers)
 
+    def _needs_other_sign(self, cell: str) -> bool:
+        """Return whether a cell is a number with the other decimal sign, and with nothing else."""
+        return self.describe_fault(cell).cure.keys() == {"decimal"}
+
+    def _has_decimals(self, cell: str) -> bool:
+        """Return whether a cell is a number with the decimal sign."""
+        return self.decimal in cell and self.parse(cell) is not None
+
     def _refuse_other_sign(self, text: TextFile, row: Row, place: int) -> InputError:
-        """Return the refusal of a cell below others that have the decimal sign, which it may not have."""
-        refused = self.refuse_cell(text, row, place)
-        if not isinstance(refused, CurableError) or refused.cure.keys() != {"decimal"}:
-            return refused
-        message = f"'{row.cells[place][:40]}' has another decimal sign than cells above it"
+        """Return the refusal of a cell whose decimal sign is not that of other cells."""
+        message = f"'{row.cells[place][:40]}' has another decimal sign than other cells"
         column = self.find_column(text.lines[row.line - 1], place)
         return text.refuse(message, "a file has one decimal sign: export its columns alike", row.line, column)
 
@@ -243,6 +246,8 @@ class Grammar:
         """Return the refusal of a cell that is no number; place : of it in its row, from 0."""
         line = text.lines[row.line - 1]
         fault = self.describe_fault(row.cells[place])
+        if self._needs_other_sign(row.cells[place]) and any(map(self._has_decimals, row.cells)):
+            return self._refuse_other_sign(text, row, place)
         column = self.find_column(line, place)
         if touches(row.cells[place]) and (form := guess_fortran(line)):
             hint = f"write `format: {form}` for the columns in which they are printed"
@@ -254,7 +259,7 @@ class Grammar:
     def describe_fault(self, cell: str) -> Fault:
         """Return what is wrong with a cell that is no number."""
         shown = f"'{cell[:40]}' is not a number"
-        if len(cell) > MAX_NUMBER_LENGTH:
+        if len(cell) > MAX_NUMBER_LENGTH and not touches(cell):
             return Fault(f"a cell of {len(cell)} characters is not a number", "write plain numbers, one a cell")
         if not cell:
             return Fault("a cell is empty", "write the number that belongs there; a record is cut before a gap")
@@ -287,11 +292,12 @@ class Grammar:
             sign = thousands["sign"]
             signs = [{"thousands": sign}, {"decimal": other, "thousands": sign}, *signs]
         for each in signs:
-            if self.separator in each.values() or each.get("decimal", self.decimal) == each.get("thousands"):
+            if each.get("decimal", self.decimal) == each.get("thousands"):
                 continue
             value = replace(self, **each).parse(cell)
-            if value is not None:
-                found.setdefault(value, each)
+            if value is not None:  # a cell that holds its separator stands in quotes
+                quoted = {"separator": self.separator} if self.separator in each.values() else {}
+                found.setdefault(value, {**each, **quoted})
         return found
 
 

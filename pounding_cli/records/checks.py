@@ -11,7 +11,7 @@ import numpy as np
 
 from pounding_cli.cells import TextFile
 from pounding_cli.numbers import pluralize
-from pounding_cli.records.declaration import KEPT, Declaration
+from pounding_cli.records.declaration import KEPT, MEAN, Declaration
 from pounding_cli.records.motion import GRAVITY, Motion, displacement, pgv, velocity
 from pounding_cli.records.samples import MotionWarning, Samples
 from pounding_cli.records.units import ACCELERATION_UNITS, find_acceleration_unit, find_stated_units
@@ -64,7 +64,8 @@ def check_samples(text: TextFile, samples: Samples, declared: Declaration) -> It
         yield MotionWarning(message, "check that the times are in seconds; write `dt:` if they are not")
     if samples.dt > MAX_USUAL_STEP * (1 + 1e-6):
         message = f"the time step is {samples.dt:g} s, longer than the {MAX_USUAL_STEP:g} s of any accelerograph"
-        yield MotionWarning(message, "check that the column of times is no sample number; write `dt:` if it is")
+        hint = "check `dt:`" if declared.dt is not None else "check that the column of times is no sample number"
+        yield MotionWarning(message, hint)
     stated = find_stated_units(samples.heading)
     for line in samples.unread if not stated else ():
         stated += find_stated_units(line.words)
@@ -143,6 +144,8 @@ def _check_drift(text: TextFile, motion: Motion, samples: Samples, declared: Dec
     values = motion.acceleration
     is_meant = declared.baseline == KEPT
     cure = "write `baseline: mean` to take the mean away, or `baseline: kept` if it is meant so"
+    if declared.baseline == MEAN:
+        cure = "correct the baseline of the record, or write `baseline: kept` if it is meant so"
     if not is_meant and (values.min() >= 0 or values.max() <= 0):
         message = "all samples have one sign: a spectrum, a displacement or a push, no ground motion"
         hint = "declare the column of the acceleration, `column:`; write `baseline: mean` if an offset is in it, or "

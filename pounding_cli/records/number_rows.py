@@ -35,6 +35,9 @@ MAX_CELLS = 100_000
 HEADER_ROWS = 3
 """Rows at the top that may hold a count or a time step in place of samples."""
 
+MAX_HEADER_NUMBERS = 4
+"""Numbers on a line of a heading."""
+
 LEAST_COUNT = 8
 """Smallest number of values that a file states above them."""
 
@@ -191,6 +194,8 @@ def _choose_grammar(text: TextFile, declared: Declaration, first: int) -> Gramma
         is_decimal = _is_row_of_numbers(_build_grammar(replace(declared, decimal=","), line), line)
         cure = {"decimal": ","} if is_decimal else {"separator": ","}
         message = "nothing says whether the commas part values"
+        if not is_decimal and "." not in line:
+            raise text.refuse(message, hint, first + 1, column)
         raise text.refuse_curable(message, hint, cure, first + 1, column)
     return grammar
 
@@ -278,13 +283,24 @@ def _refuse_odd_row(
         message = "a blank line stands among the numbers"
     elif not _NUMBER_FIRST.match(words):
         message = f"'{words}' stands below the numbers"
+    if grammar.separator == BLANKS and len(Grammar("\t").split(text.lines[row.line - 1])) == width > 1:
+        hint = """write `separator: tab, thousands: " "` if blanks part thousands"""
+        return text.refuse_curable(message, hint, {"separator": "tab", "thousands": " "}, row.line)
     runs = _list_runs(text, grammar, rows[0].line - 1)
     longest = max(runs, key=lambda run: run.length * run.width)
-    if longest.start >= row.line - 1 and longest.length * longest.width > 2 * kept * width and declared.skip is None:
+    is_header = kept <= HEADER_ROWS and width <= MAX_HEADER_NUMBERS and longest.width != width
+    begins_below = longest.start >= row.line - 1 and longest.length * longest.width > kept * width
+    if is_header and begins_below and declared.skip is None:
         hint = f"`skip: {longest.start}` begins at line {longest.start + 1}, with the most numbers on end"
+        if width == 1:
+            hint += "; a scale factor above them belongs to the unit, `unit: 2.5 g`"
         return text.refuse_curable(message, hint, {"skip": longest.start}, row.line)
-    series = _find_series(runs, rows[kept - 1].line)
+    series = [run for run in runs if run.start >= rows[kept - 1].line and run.length > 1]
     is_end = not series or abs(series[0].length - kept) <= 1
+    if series and declared.time is not None:
+        place = min(declared.time, width) - 1
+        above = grammar.parse(rows[kept - 1].cells[place]) or 0.0
+        is_end = is_end and (grammar.parse(_split_row(grammar, text.lines[series[0].start])[place]) or 0.0) < above
     is_words = not words or not _NUMBER_FIRST.match(words) or row.line <= rows[kept - 1].line
     if kept >= 2 and is_end and is_words:
         hint = f"`rows: {kept}` reads the {pluralize(kept, 'row')} above"
@@ -313,11 +329,6 @@ def _list_runs(text: TextFile, grammar: Grammar, first: int) -> list[_Run]:
     return runs
 
 
-def _find_series(runs: Sequence[_Run], line: int) -> list[_Run]:
-    """Return the runs of several rows that begin below a line, from 1."""
-    return [run for run in runs if run.start >= line and run.length > 1]
-
-
 def _refuse_row_above(text: TextFile, grammar: Grammar, first: int, width: int, declared: Declaration) -> None:
     """Refuse a file in which a line above the first row looks like a row with a cell that is no number.
 
@@ -344,6 +355,9 @@ def _refuse_row_above(text: TextFile, grammar: Grammar, first: int, width: int, 
             raise text.refuse_curable(fault.message, hint, {"format": form}, index + 1, column)
         hint = f"`skip: {first}` begins at line {first + 1}, if this one belongs to the heading"
         cure: Mapping[str, Any] = fault.cure or {"skip": first}
+        if not fault.cure and len(line.split()) > MAX_HEADER_NUMBERS:
+            hint = f"take the numbers of the heading out of this line; {hint}"
+            raise text.refuse(fault.message, hint, index + 1, column)
         if factor := _FACTOR.match(line):
             unit = f"{float(factor[1]):g} {declared.unit}"
             hint = f"a factor belongs to the unit: `unit: {unit}`, and {hint}"
@@ -364,6 +378,7 @@ def _refuse_header_numbers(text: TextFile, rows: Sequence[Row], numbers: np.ndar
         return
     width = len(rows[0].cells)
     found = ""
+    count = None
     end = 0
     steps = np.diff(numbers[: (numbers.size // width) * width].reshape(-1, width)[:, :2], axis=0)
     has_times = width > 1 and (steps > 0).all(axis=0).any()
@@ -376,6 +391,7 @@ def _refuse_header_numbers(text: TextFile, rows: Sequence[Row], numbers: np.ndar
             is_whole = value >= LEAST_COUNT and float(value).is_integer()
             if is_whole and min(abs(value - each) for each in left) <= 2:
                 said = f"{value:g}, the number of values below"
+                count = float(value)
             elif value == declared.dt and not has_times and numbers.any():
                 said = f"{value:g}, the time step"
         if not said:
@@ -385,11 +401,17 @@ def _refuse_header_numbers(text: TextFile, rows: Sequence[Row], numbers: np.ndar
     is_numbered = width > 1 and numbers[:width].tolist() == list(range(1, width + 1))
     if is_numbered and declared.column is not None:
         found, end = "the numbers of the columns", 1
-    if found:
-        line = rows[end - 1].line
-        message = f"the first rows hold {found}"
-        hint = f"write `skip: {line}` if so, `skip: {rows[0].line - 1}` if they are samples"
-        raise text.refuse_curable(message, hint, {"skip": line}, rows[0].line)
+    if not found:
+        return
+    lines = rows[end - 1].line
+    if count is not None and width == 1 and end <= numbers.size - count <= HEADER_ROWS + 1:
+        lines = rows[numbers.size - int(count) - 1].line  # a number of another kind may stand between
+    message = f"the first rows hold {found}"
+    hint = f"write `skip: {lines}` if so, `skip: {rows[0].line - 1}` if they are samples"
+    following = numbers.size - (lines - rows[0].line + 1) * width
+    if count is not None and count not in (following, len(rows) - end, numbers.size - 2):
+        raise text.refuse(message, f"{pluralize(following, 'value follows', 'values follow')}: {hint}", rows[0].line)
+    raise text.refuse_curable(message, hint, {"skip": lines}, rows[0].line)
 
 
 def _refuse_points_of_thousands(text: TextFile, rows: Sequence[Row], declared: Declaration) -> None:
@@ -422,8 +444,8 @@ def _list_margins(text: TextFile, rows: Sequence[Row], grammar: Grammar) -> tupl
     ------
     InputError : numbers with decimals stand there
     """
-    width = sum(grammar.widths)
-    if not width:
+    width = grammar.indent + sum(grammar.widths)
+    if not grammar.widths:
         return ()
     for row in rows:
         margin = text.lines[row.line - 1][width:].strip()

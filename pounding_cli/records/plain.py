@@ -18,6 +18,9 @@ from pounding_cli.records.times import find_step
 MIN_ROW_BY_ROW = 5
 """Values on a line from which they are read row by row where no column is declared; fewer may be as many channels."""
 
+MIN_COUNTED = 8
+"""Values of which the last one may be their number or peak."""
+
 MAX_FIRST_SAMPLE = 3.0
 """First value over the largest other one [-], above which it is no sample."""
 
@@ -42,6 +45,7 @@ def read_plain(text: TextFile, declared: Declaration) -> Samples:
         raise text.refuse(f"the time step is {dt:g} s", hint, first)
     values = rows.numbers if column is None else rows.take_column(column)
     _refuse_first_value(text, rows, values, declared)
+    _refuse_last_value(text, rows, declared)
     words = "row by row" if column is None else f"of column {column}"
     if column is not None and rows.width == 1:
         words = "one a line"
@@ -74,6 +78,8 @@ def _find_column(text: TextFile, rows: NumberRows, declared: Declaration) -> int
         raise text.refuse(message, "write `dt:`, the time step, in place of `time:`", first)
     message = f"the rows have {pluralize(rows.width, 'column')}, and nothing says which holds the acceleration"
     hint = f"write `column:`, from 1 to {rows.width}"
+    if rows.width > MIN_ROW_BY_ROW:
+        raise text.refuse(message, f"{hint}; where the samples go on row by row, `dt:` and `format: 10X,8F9.6`", first)
     raise text.refuse_curable(message, hint, {"column": others[0]}, first)
 
 
@@ -140,7 +146,7 @@ def _refuse_first_value(text: TextFile, rows: NumberRows, values: np.ndarray, de
 
     Raises
     ------
-    CurableError : with the number of lines above the samples
+    InputError : with the number of lines above the samples
     """
     if declared.skip is not None or declared.baseline == KEPT or values.size < 4:
         return
@@ -148,8 +154,28 @@ def _refuse_first_value(text: TextFile, rows: NumberRows, values: np.ndarray, de
     if others > 0 and abs(values[0]) > MAX_FIRST_SAMPLE * others:
         line = rows.rows[0].line
         message = f"the first value, {values[0]:g}, is {abs(values[0]) / others:.3g} times the largest other"
-        hint = f"write `skip: {line}` if it belongs to the heading, `skip: {line - 1}` if it is a sample"
-        raise text.refuse_curable(message, hint, {"skip": line}, line)
+        hint = f"write `skip: {line}` if it is no sample, `skip: {line - 1}` if it is one"
+        hint += f"; a scale factor belongs to the unit, `unit: {abs(values[0]):g} {declared.unit}`"
+        raise text.refuse(message, hint, line)
+
+
+def _refuse_last_value(text: TextFile, rows: NumberRows, declared: Declaration) -> None:
+    """Refuse values one a line of which the last is their count, or their peak once more.
+
+    Raises
+    ------
+    CurableError : with the number of rows above it
+    """
+    numbers = rows.numbers
+    if declared.rows is not None or declared.baseline == KEPT or rows.width > 1 or numbers.size < MIN_COUNTED:
+        return
+    peak = float(np.abs(numbers[:-1]).max())
+    above = numbers.size - 1
+    if numbers[-1] == above or abs(numbers[-1]) == peak > 0:
+        what = "number" if numbers[-1] == above else "peak"
+        message = f"the last value, {numbers[-1]:g}, is the {what} of the {above} above it"
+        hint = f"write `rows: {above}` if it is, `rows: {numbers.size}` if it is a sample"
+        raise text.refuse_curable(message, hint, {"rows": above}, rows.rows[-1].line)
 
 
 def _find_heading(text: TextFile, rows: NumberRows, column: int | None) -> str:

@@ -47,6 +47,8 @@ def find_step(text: TextFile, rows: NumberRows, declared: Declaration) -> float:
         what = "they are milliseconds" if is_milliseconds else "they number the samples"
         message = f"the times of column {column} rise by {step:g} s: {what}"
         hint = f"write the time step, `dt:`, and `column: {value_column}` in place of `time: {column}`"
+        if rows.width > 2 and declared.column is None:
+            raise text.refuse(message, f"write the time step, `dt:`, and `column:`, from 1 to {rows.width}", first)
         raise text.refuse_curable(message, hint, {"dt": settled, "column": value_column, "time": None}, first)
     fit = _find_rounded_step(rows, times, column)
     if fit is not None:

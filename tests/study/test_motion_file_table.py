@@ -69,6 +69,7 @@ ROWS = {
     "quoted-decimal-commas": "".join(f'"{time}","{value}"\n' for time, value in zip(IN_TIMES, COMMAS, strict=True)),
     "points-of-thousands": lines([word.replace(",", ".") for word in THOUSANDS]),
     "milliseconds": lines([f"{20 * place}" for place in range(8)], ONE),
+    "peak-below": lines([*ONE, "0.04800"]),
     "pairs": wrapped([word for pair in zip(TIMES, ONE, strict=True) for word in pair], 4),
     "comment-among": lines(TIMES[:3], ONE[:3]) + "# peak\n" + lines(TIMES[3:], ONE[3:]),
     "double-spaced": lines(TIMES, ONE).replace("\n", "\n\n"),
