@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.results.responses import solver_version
+from pounding_cli.solver.stopping import make_flag, use_flag
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -73,12 +74,20 @@ def open_pool(name: str, workers: int | None = None, scheduler: str | None = Non
     count = 1 if name == "serial" else workers or _count_cores()
     if name == "processes":
         return Pool(name, count, lambda: _open_processes(count))
-    return Pool(name, count, lambda: ThreadPoolExecutor(count), shares_memory=True)
+    return Pool(name, count, lambda: _Threads(count), shares_memory=True)
 
 
 def _count_cores() -> int:
     """Return the number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+class _Threads(ThreadPoolExecutor):
+    """Threads of this process; `stop` is the flag that their kernels look at."""
+
+    def __init__(self, count: int) -> None:
+        self.stop = make_flag()
+        super().__init__(count, initializer=use_flag, initargs=(self.stop,))
 
 
 def _open_processes(count: int) -> Executor:
@@ -104,9 +113,11 @@ def _prepare_worker() -> None:
 
 
 def stop_executor(executor: Executor, running: Iterable[Future]) -> None:
-    """End an executor now; threads finish the scenes that they solve first."""
+    """End an executor now; what is under way in it is lost."""
     for future in running:
         future.cancel()
+    if isinstance(executor, _Threads):
+        executor.stop[0] = 1
     workers = list((getattr(executor, "_processes", None) or {}).values())
     executor.shutdown(wait=False)
     for process in workers:

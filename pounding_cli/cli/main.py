@@ -17,6 +17,7 @@ from pounding_cli import __version__
 from pounding_cli.errors import InputError
 from pounding_cli.paper import TITLES as POINT_TITLES
 from pounding_cli.questions import TITLES
+from pounding_cli.signals import end_late
 
 _QUESTIONS = {name: ("solve", title) for name, title in TITLES.items()}
 
@@ -49,8 +50,15 @@ FAULT = 70
 STOPPED = 130
 """Exit code of Ctrl-C, as shells count it."""
 
+GRACE = 1.0
+"""Time that a command has to end by itself after Ctrl-C [s]; what no other thread can stop is cut off then."""
+
 NOBODY_READS = 141
 """Exit code of SIGPIPE, as shells count it."""
+
+
+AFTER_STOP = "stopped; run the same command again to resume."
+"""What a command says at its end after Ctrl-C."""
 
 
 class LazyGroup(click.Group):
@@ -104,7 +112,8 @@ def main() -> None:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(encoding="utf-8", errors="replace")
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # looking for some reads a file of every package
-    code = _run()
+    with end_late(GRACE, _end):
+        code = _run()
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()
@@ -112,6 +121,13 @@ def main() -> None:
             with suppress(OSError, ValueError), open(os.devnull, "w") as nowhere:
                 os.dup2(nowhere.fileno(), stream.fileno())
     sys.exit(code)
+
+
+def _end() -> None:
+    """End the process as one that was stopped: what is on the disk is complete whenever that happens."""
+    with suppress(OSError):
+        os.write(2, f"{AFTER_STOP}\n".encode())
+    os._exit(STOPPED)
 
 
 def _run() -> int:
@@ -130,7 +146,7 @@ def _run() -> int:
     except (click.Abort, KeyboardInterrupt) as stop:
         if isinstance(stop.__cause__, EOFError):  # click takes one for Ctrl-D; nothing here asks a question
             return _unforeseen(stop.__cause__)
-        click.echo("stopped; run the same command again to resume.", err=True)
+        click.echo(AFTER_STOP, err=True)
         return STOPPED
     except BrokenPipeError:
         return NOBODY_READS

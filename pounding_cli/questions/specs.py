@@ -11,7 +11,7 @@ from pydantic import BeforeValidator, Field
 
 from pounding_cli.records.hazard import HazardColumns
 from pounding_cli.study.base import Model, SpecIssue, one_or_many, spec_field, tagged_union
-from pounding_cli.study.quantity import TIME, ParsedText, Quantity, WholeNumber, refuse, written_unit
+from pounding_cli.study.quantity import TIME, ParsedText, Quantity, WholeNumber, quote, refuse, written_unit
 
 SEED = Annotated[int, WholeNumber(1, 2**31 - 1)]
 EXPRESSION_COLUMNS = (
@@ -146,14 +146,14 @@ def parse_measure(value: Any) -> Measure:
     name, period = match.groups() if match is not None else ("", None)
     if name not in INTENSITY_MEASURES or (period is not None and (name != "sa" or not written_unit(period))):
         hint = "write pga, pgv, factor, ag of a target spectrum, or the pseudo-acceleration at a period, sa(0.5 s)"
-        raise refuse(f"'{str(value)[:60]}' is not an intensity measure", hint)
+        raise refuse(f"{quote(value)} is not an intensity measure", hint)
     return Measure(name, 0.0 if period is None else _PERIOD.read(period))
 
 
 def _read_text(value: Any) -> str:
     """Return a value that is a text.  Raises PydanticCustomError."""
     if not isinstance(value, str):
-        raise refuse("this is not an expression", "write e.g. `largest mu`")
+        raise refuse(f"{quote(value)} is not an expression", "write e.g. `largest mu`")
     return value
 
 

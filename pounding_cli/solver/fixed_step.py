@@ -233,11 +233,12 @@ def _step_by_newmark(dofs, elements, terms, run, room, memory, shape, h, ground)
 
 
 @njit(**KERNEL)
-def march(dofs, elements, terms, runs, series, columns, room, ground, slopes, memory, shape, parts, method):
+def march(dofs, elements, terms, runs, series, columns, room, ground, slopes, memory, shape, parts, method, stop):
     """Run a scene in `parts` equal steps a sample of the motion, by a method of `FIXED`.
 
     memory : the elements as plain numbers
     shape : the deformation of every element from the displacements
+    stop : flag (`stopping`); where it is raised, the kernel returns and the scene is not done
 
     Raises
     ------
@@ -258,6 +259,8 @@ def march(dofs, elements, terms, runs, series, columns, room, ground, slopes, me
         h = whole
         length = run.rest if segment + 1 == ground.size else run.dt
         while run.status == DONE and elapsed < length * (1.0 - 1e-12):
+            if stop[0]:
+                return
             h = min(h, length - elapsed)
             if abs(h - whole) < 1e-9 * whole:
                 h = whole
@@ -280,7 +283,6 @@ def march(dofs, elements, terms, runs, series, columns, room, ground, slopes, me
             h = whole
         if run.status != DONE:
             break
-    return run.status
 
 
 def find_longest_stable_step(layout: Layout, elements: np.ndarray, links: Sequence[Link]) -> float:

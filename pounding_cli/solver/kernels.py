@@ -19,13 +19,17 @@ COMPILE_TIME = {SERIES_KERNEL: 20.0, SMOOTH_KERNEL: 30.0, FIXED_STEP_KERNEL: 15.
 """Time in which a kernel is compiled, about [s]."""
 
 
+IS_INTERPRETED = os.environ.get("NUMBA_DISABLE_JIT", "").strip() not in ("", "0")
+"""Python runs the kernels itself, some thousand times as slowly: a debugger can stop in them."""
+
+
 def _compute_digest() -> str:
     """Return the SHA-256 of the sources of solver and laws, and of the versions that compile them.
 
     Numba does not see that a function that a kernel calls changed.
     """
     package = Path(__file__).parent.parent
-    sha = hashlib.sha256(f"python {sys.version_info[:2]}".encode())
+    sha = hashlib.sha256(f"python {sys.version_info[:2]}{' alone' * IS_INTERPRETED}".encode())
     numba = find_spec("numba")  # found, not imported
     if numba is not None and numba.origin is not None:
         for source in sorted(Path(numba.origin).parent.glob("_version.*")):
@@ -54,8 +58,8 @@ def find_kernel(takes_step: bool, has_smooth: bool) -> str:
 
 
 def is_compiled(kernel: str) -> bool:
-    """Return whether a kernel is compiled and kept on this computer."""
-    return _locate_mark(kernel).exists() and any(FOLDER.rglob("*.nbc"))
+    """Return whether a kernel is compiled and kept on this computer, or needs no compiling."""
+    return IS_INTERPRETED or (_locate_mark(kernel).exists() and any(FOLDER.rglob("*.nbc")))
 
 
 def mark_compiled(kernel: str) -> None:

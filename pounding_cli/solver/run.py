@@ -185,7 +185,7 @@ def keep_state(dofs, elements, run, watch):
 
 
 @njit(**KERNEL)
-def integrate(all_dofs, all_elements, terms, runs, all_series, all_columns, rooms, watch, ground, slopes, ends):
+def integrate(all_dofs, all_elements, terms, runs, all_series, all_columns, rooms, watch, ground, slopes, ends, stop):
     """Run scenes of one layout, a row each, through their whole motions; how each ends is its run.status.
 
     The loop stands here whole: parts of it in functions of their own would round otherwise in the last digit.
@@ -195,6 +195,7 @@ def integrate(all_dofs, all_elements, terms, runs, all_series, all_columns, room
     ground, slopes : acceleration at the start of every segment of run.dt [m/s2], and its slope [m/s3], of the scenes
         one after the other
     ends : place in `ground` where the segments of each scene end
+    stop : flag (`stopping`); where it is raised, the kernel returns and no scene is done
     rooms : for steps by DOP853; without it (None) a kernel is compiled that has series alone
     """
     terms = borrow_records(terms)
@@ -218,6 +219,8 @@ def integrate(all_dofs, all_elements, terms, runs, all_series, all_columns, room
             run.follows = 0
             length = run.rest if first + segment + 1 == ends[scene] else run.dt
             while run.status == DONE and elapsed < length:
+                if stop[0]:
+                    return
                 output = np.inf
                 if run.output < watch.times.size:
                     output = watch.times[run.output] - (segment * run.dt + elapsed)

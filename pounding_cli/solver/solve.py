@@ -24,13 +24,14 @@ from pounding_cli.solver import outcome, records
 from pounding_cli.solver.assemble import MAX_EVENTS, MAX_STEPS, InitialState, build_records
 from pounding_cli.solver.balance import balance_energies, compute_energy_of_lines, compute_energy_of_storeys
 from pounding_cli.solver.flags import build_collapse_flag, list_flags
-from pounding_cli.solver.kernels import FIXED_STEP_KERNEL, FOLDER, find_kernel, mark_compiled
+from pounding_cli.solver.kernels import FIXED_STEP_KERNEL, FOLDER, IS_INTERPRETED, find_kernel, mark_compiled
 from pounding_cli.solver.layout import Layout, build_layout, build_term_matrix
 from pounding_cli.solver.parts import join_responses
 from pounding_cli.solver.records import Data, Room
 from pounding_cli.solver.response import COLLAPSED, DONE, Flag, Response, no_peaks
 from pounding_cli.solver.rest import NO_RESIDUAL_DRIFT, find_rest
 from pounding_cli.solver.segments import Segments, build_segments, join_segments
+from pounding_cli.solver.stopping import call_kernel, find_flag
 
 
 def solve(
@@ -132,10 +133,10 @@ class SceneRun:
             return
         from pounding_cli.solver.run import integrate as kernel
 
-        arguments = (*data, *join_segments(grounds))
+        arguments = (*data, *join_segments(grounds), find_flag())
         load_kernel(find_kernel(False, data.room is not None), kernel, arguments)
         begin = time.perf_counter()
-        kernel(*arguments)
+        call_kernel(kernel, arguments)
         steps = data.run["steps"]
         self.seconds[places] += (time.perf_counter() - begin) * steps / max(steps.sum(), 1)
 
@@ -159,12 +160,12 @@ class SceneRun:
             data.dofs[row], elements, data.terms, data.run[row : row + 1],
             data.series[row], data.columns[row], Room(room.states[row], room.formulas[row]),
             *ground, elements.view(np.float64), build_term_matrix(self.layout), parts,
-            fixed_step.FIXED.index(self.method.name),
+            fixed_step.FIXED.index(self.method.name), find_flag(),
         )  # fmt: skip
         load_kernel(FIXED_STEP_KERNEL, fixed_step.march, arguments)
         begin = time.perf_counter()
         try:
-            fixed_step.march(*arguments)
+            call_kernel(fixed_step.march, arguments)
         except np.linalg.LinAlgError:  # Newton's method has no direction
             data.run["status"][row] = records.NO_ROOT
         self.seconds[number] += time.perf_counter() - begin
@@ -330,7 +331,7 @@ def load_kernel(name: str, kernel: Any, arguments: tuple[Any, ...]) -> None:
     name : one of those in `kernels`
     arguments : those of the run
     """
-    if is_loaded(kernel, arguments):
+    if IS_INTERPRETED or is_loaded(kernel, arguments):
         return
     signature = tuple(map(numba.typeof, arguments))
     collects_garbage = gc.isenabled()

@@ -14,7 +14,7 @@ from pounding_cli.numbers import Unit
 from pounding_cli.study import schema
 from pounding_cli.study.dotted_keys import can_vary
 from pounding_cli.study.file import Items, Map, Mark, Problems, get, with_value
-from pounding_cli.study.quantity import Quantity, format_location
+from pounding_cli.study.quantity import Quantity, format_location, quote
 from pounding_cli.study.ranges import (
     MAX_AXIS_VALUES,
     RANGE_KEYS,
@@ -105,7 +105,8 @@ def read_axes(root: Map, problems: Problems, model: type[BaseModel] = schema.Stu
     _, mark = root.marks.get("sweep", (root.mark, root.mark))
     if not _is_sweep(sweep):
         hint = "write `sweep: {impact.restitution: [0.4, 0.5]}`, or a list of such mappings"
-        problems.add(mark, "'sweep' is not a mapping of keys to values", hint)
+        message = f"sweep: {quote(sweep)} is neither a mapping of keys to values nor a list of such"
+        problems.add(mark, message, hint)
         return ()
     if isinstance(sweep, Map):
         entries = [(sweep, [name]) for name in sweep]
@@ -199,7 +200,8 @@ def read_axis_values(
     if not isinstance(node, Items) or not 0 < len(node) <= MAX_AXIS_VALUES:
         example = range_example(quantity, ", count: 5")
         hint = f"write `{name}: [first, second]`, at most {MAX_AXIS_VALUES} values, or a range: `{name}: {example}`"
-        problems.add(mark, f"the axis '{name}' has no list of values, or too long a one", hint)
+        message = f"the axis '{name}' has no list of values, or too long a one: {quote(node)}"
+        problems.add(mark, message, hint)
         return None
     return WrittenValues(node, node.marks, unit_of(node, quantity))
 
@@ -214,7 +216,7 @@ def with_middles(root: Map, problems: Problems) -> Map:
             mark = node.marks["middle"][1]
             if not _is_middle(name, node, root):
                 message = (
-                    f"'{name}': {node['middle']} is not the middle of an odd number of values, "
+                    f"'{name}': {quote(node['middle'])} is not the middle of an odd number of values, "
                     "or not what the study has there"
                 )
                 hint = f"write low, middle and high, e.g. `{name}: {{values: [low, middle, high], middle: middle}}`"

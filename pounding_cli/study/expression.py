@@ -438,7 +438,7 @@ class Target:
 
 def parse_limit(value: Any) -> Limit:
     """Return a limit as the file writes it.  Raises PydanticCustomError saying what to write."""
-    text = " ".join(value.split())[:200] if isinstance(value, str) else ""
+    text = " ".join(str(value).split())[:200]
     match = _WHERE.match(text)
     comparison = match["comparison"] if match else text
     where = match["where"] if match else ""

@@ -432,7 +432,8 @@ class OwnLawSpec(Model):
     parameters: dict[
         Name,
         Annotated[
-            MeasuredValue, ParsedText(parse_measured, "number with any unit, or a plain number", ("20 kN/mm", 0.2))
+            MeasuredValue,
+            ParsedText(parse_measured, "number with any unit, or a plain number", ("20 kN/mm", 0.2), name="parameter"),
         ],
     ] = spec_field({}, "constants of the formula by name", {"k": "20 kN/mm"})
     acts: Literal["beyond gap", "compression", "always"] = spec_field(
@@ -461,6 +462,7 @@ class _ImpactSpec(Model):
             _read_contact,
             "; ".join([*(f"`{name}`" for name in contact_laws()), "NAME of `laws`"]),
             tuple(contact_laws()),
+            name="law of contact",
         ),
     ] = spec_field(KELVIN_VOIGT, "law of contact of every `link: pounding`; sweep it to compare laws")
     stiffness: Annotated[Any, LINK_STIFFNESS] = spec_field("20 x stiffest storey", "impact spring s_imp [N/m]")

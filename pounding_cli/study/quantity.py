@@ -107,6 +107,9 @@ BOTH_SIGNS = re.compile(r"\s*(?:\+\s*/?\s*-|±)\s*([0-9.].*?)\s*\Z")
 SEVERAL_VALUES = "several values to run one after the other stand under `sweep:`"
 """What to write of a key that takes one value."""
 
+LONGEST_QUOTE = 60
+"""Largest number of characters of a value that a message quotes."""
+
 LONGEST = 200
 """Largest number of characters of a quantity."""
 
@@ -140,12 +143,30 @@ def refuse(message: str, hint: str = "", key: bool = False, whole: bool = False)
 
 
 def quote(value: Any) -> str:
-    """Return a value as messages quote it."""
+    """Return a value as messages quote it: a mapping and a list by their beginnings."""
     if isinstance(value, list | tuple | dict):
-        return "a mapping" if isinstance(value, dict) else "a list"
+        kind = "mapping" if isinstance(value, dict) else "list"
+        if not value:
+            return f"an empty {kind}"
+        text = str(value)
+        return f"the {kind} {text[:LONGEST_QUOTE]}{'...' * (len(text) > LONGEST_QUOTE)}"
     if value is None or isinstance(value, bool):
         return {True: "true", False: "false", None: "nothing"}[value]
-    return f"'{str(value)[:60]}'"
+    return f"'{str(value)[:LONGEST_QUOTE]}'"
+
+
+def refuse_no_single(value: Any, form: str, hint: str) -> None:
+    """Raise PydanticCustomError where a mapping, a list, a truth value or nothing stands for one value.
+
+    Parameters
+    ----------
+    form : what belongs there, in words
+    hint : what to write
+    """
+    if isinstance(value, list | tuple | dict):
+        raise refuse(f"{quote(value)} stands where one {form} belongs", f"{hint}; {SEVERAL_VALUES}")
+    if value is None or isinstance(value, bool):
+        raise refuse(f"{quote(value)} stands where one {form} belongs", hint)
 
 
 def format_location(mark: tuple[Any, int]) -> str:
@@ -264,10 +285,8 @@ class Quantity(ValueParser):
 
     def _parse_number(self, value: Any) -> float:
         """Return the number in SI, whatever its range.  Raises PydanticCustomError."""
-        if isinstance(value, list | tuple | dict):
-            hint = f"{self.usage}; {SEVERAL_VALUES}"
-            raise refuse(f"{quote(value)} stands where one {self.name} belongs", hint)
-        if isinstance(value, bool) or not isinstance(value, int | float | str):
+        refuse_no_single(value, self.name, self.usage)
+        if not isinstance(value, int | float | str):
             raise refuse(f"{quote(value)} is not a {self.name}", self.usage)
         if self.percent and not str(value).strip().endswith("%"):
             raise refuse(f"{quote(value)} is not a {self.name}: it lacks its %", self.usage)
@@ -402,12 +421,11 @@ class WholeNumber(ValueParser):
         if self.zero and value == self.zero:
             return 0
         hint = f"write a whole number, at least {self.low} and at most {self.high}"
-        if isinstance(value, list | tuple | dict):
-            raise refuse(f"{quote(value)} stands where one whole number belongs", f"{hint}; {SEVERAL_VALUES}")
+        refuse_no_single(value, self.form, hint)
         is_digits = isinstance(value, str) and re.fullmatch(r"[0-9]{1,9}", value)
         if is_digits or (isinstance(value, float) and value.is_integer() and abs(value) < 1e15):
             value = int(value)
-        if isinstance(value, bool) or not isinstance(value, int):
+        if not isinstance(value, int):
             raise refuse(f"{quote(value)} is not a whole number", hint)
         if not self.low <= value <= self.high:
             raise refuse(f"'{value}' is not allowed", hint)
@@ -420,18 +438,23 @@ class WholeNumber(ValueParser):
 
 @dataclass(frozen=True)
 class ParsedText(ValueParser):
-    """A value that a function reads.
+    """A text or a number that a function reads.
 
     reader : of the value
     quantity : what its numbers are, where it has some
+    name : what stands there, in the words of messages; its form unless given
     """
 
     reader: Callable[[Any], Any]
     form: str = ""
     examples: tuple[Any, ...] = ()
     quantity: Quantity | None = None
+    name: str = ""
 
     def read(self, value: Any) -> Any:
+        if self.quantity is None:
+            hint = f"write e.g. {', '.join(f'`{example}`' for example in self.examples)}"
+            refuse_no_single(value, self.name or self.form, hint)
         return self.reader(value)
 
 

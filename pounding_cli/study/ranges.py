@@ -10,7 +10,7 @@ from pydantic_core import PydanticCustomError
 
 from pounding_cli.numbers import Unit
 from pounding_cli.study.file import Map, Mark, Problems, nearest
-from pounding_cli.study.quantity import Quantity, lacks_unit, written_unit
+from pounding_cli.study.quantity import Quantity, lacks_unit, quote, written_unit
 from pounding_cli.units import find_unit_factor
 
 MAX_AXIS_VALUES = 10_000
@@ -93,6 +93,16 @@ def refuse_unknown(node: Map, known: Sequence[str], owner: str, problems: Proble
         problems.add(node.marks[key][0], f"unknown key '{key}' of {owner}", nearest(key, known))
 
 
+def check_mapping(owner: str, value: Any, mark: Mark, hint: str, problems: Problems) -> bool:
+    """Return whether a value is a mapping; note what stands there where it is none.
+
+    owner : the key or its section
+    """
+    if not isinstance(value, Map):
+        problems.add(mark, f"{owner}: {quote(value)} is not a mapping", hint)
+    return isinstance(value, Map)
+
+
 def read_numbers(
     node: Map, kinds: Mapping[str, Quantity], problems: Problems, needs_unit: bool = False
 ) -> dict[str, Any] | None:
@@ -112,7 +122,7 @@ def read_numbers(
             number = quantity.read(node[key])
         except PydanticCustomError as error:
             context: dict[str, Any] = error.context or {}
-            problems.add(mark, context["message"], context["hint"])
+            problems.add(mark, f"{key}: {context['message']}", context["hint"])
             continue
         if isinstance(number, str):
             problems.add(mark, f"'{node[key]}' is not a number", quantity.usage)
@@ -168,10 +178,10 @@ def _check_range_keys(name: str, node: Map, quantity: Quantity, problems: Proble
         message = f"a range has `from`, `to` and either `count` or `step`, not {', '.join(node)}"
         problems.add(node.mark, message, f"write e.g. `{name}: {range_example(quantity, ', count: 5')}`")
     elif spacing not in ("linear", "log") or (spacing == "log" and "step" in node):
-        message = f"spacing: '{spacing}' is not known here"
+        message = f"spacing: {quote(spacing)} is not known here"
         problems.add(node.marks["spacing"][1], message, "write linear, or log beside `count:`")
     elif "count" in node and (type(count) is not int or not 2 <= count <= MAX_AXIS_VALUES):
-        message = f"count: {count}; a range has 2 to {MAX_AXIS_VALUES} values"
+        message = f"count: {quote(count)}; a range has 2 to {MAX_AXIS_VALUES} values"
         problems.add(node.marks["count"][1], message, "write how many values, e.g. 15")
 
 

@@ -14,9 +14,10 @@ from pounding_cli.study.archetypes import UNCERTAIN_KEYS, Seen, list_seen
 from pounding_cli.study.axes import sweep_maps
 from pounding_cli.study.dotted_keys import can_vary
 from pounding_cli.study.file import Items, Map, Mark, Problems
-from pounding_cli.study.quantity import Quantity, StoreyMultiple, format_location
+from pounding_cli.study.quantity import Quantity, StoreyMultiple, format_location, quote
 from pounding_cli.study.ranges import (
     canonical_value,
+    check_mapping,
     example_values,
     range_example,
     read_numbers,
@@ -165,8 +166,9 @@ def _iter_unswept_keys(
     section: str, node: Any, at: Mark, root: Map, problems: Problems, example: str
 ) -> Iterator[tuple[str, Mark]]:
     """Yield the keys of a section that are not swept too, with their places."""
-    if not isinstance(node, Map):
-        problems.add(at, f"'{section}' is not a mapping of keys", f"write `impact.restitution: {example}`")
+    if not check_mapping(
+        section, node, at, f"write keys with how each varies, `impact.restitution: {example}`", problems
+    ):
         return
     swept = {key: mark[0] for holder in sweep_maps(root) for key, mark in holder.marks.items()}
     for key, (mark, _) in node.marks.items():
@@ -182,7 +184,7 @@ def _read_motion_input(entry: Map, problems: Problems, motion_count: int) -> Mot
     mark, value_mark = entry.marks[MOTION]
     if entry[MOTION] not in (ANY, BOOTSTRAP):
         hint = "write `motion: any` (one of them) or `motion: bootstrap` (as many, drawn with replacement)"
-        problems.add(value_mark, f"motion: '{entry[MOTION]}' is not known", hint)
+        problems.add(value_mark, f"motion: {quote(entry[MOTION])} is not known", hint)
         return None
     is_bootstrap = entry[MOTION] == BOOTSTRAP
     return MotionInput(key=MOTION, mark=mark, unit=Unit(), is_bootstrap=is_bootstrap, motion_count=motion_count)
@@ -237,7 +239,7 @@ def _read_key_input(
     name = next(iter(node)) if isinstance(node, Map) and len(node) == 1 else ""
     if name not in DISTRIBUTIONS:
         place = node.marks[name][0] if name else node_mark
-        _refuse_distribution(key, place, quantity, problems, is_searched)
+        _refuse_distribution(key, node, place, quantity, problems, is_searched)
         return None
     if name == CHOICE:
         return _read_choice_input(key, holder, quantity, problems, is_joined)
@@ -261,9 +263,9 @@ def _read_key_input(
 
 
 def _refuse_distribution(
-    key: str, mark: Mark, quantity: Quantity | None, problems: Problems, is_searched: bool
+    key: str, node: Any, mark: Mark, quantity: Quantity | None, problems: Problems, is_searched: bool
 ) -> None:
-    """Note a key that has no known distribution, or more than one."""
+    """Note a key that has no known distribution, or more than one; `node` is what stands there."""
     choice = distribution_example(CHOICE, quantity)
     if is_searched:
         expected = f"{range_example(quantity)} or {choice}"
@@ -271,7 +273,7 @@ def _refuse_distribution(
     else:
         expected = f"one distribution: {', '.join(DISTRIBUTIONS)}"
         example = distribution_example("uniform", quantity)
-    problems.add(mark, f"'{key}' takes {expected}", f"write e.g. `{key}: {example}`")
+    problems.add(mark, f"'{key}' takes {expected}, not {quote(node)}", f"write e.g. `{key}: {example}`")
 
 
 def _read_choice_input(
@@ -281,7 +283,7 @@ def _read_choice_input(
     count_before = len(problems.found)
     options = holder[key][CHOICE]
     if not isinstance(options, Items) or len(options) < 2:
-        message = f"'{key}': a choice is a list of two values or more"
+        message = f"'{key}': a choice is a list of two values or more, not {quote(options)}"
         example = distribution_example(CHOICE, quantity)
         problems.add(holder[key].marks[CHOICE][1], message, f"write `{key}: {example}`")
         return None
@@ -302,18 +304,19 @@ def _check_fields(key: str, name: str, node: Any, mark: Mark, hint: str, problem
     hint : how to write them
     """
     required = REQUIRED_FIELDS[name]
-    if isinstance(node, Map):
-        count_before = len(problems.found)
-        refuse_unknown(node, (*required, *_OPTIONAL_FIELDS[name]), name, problems)
-        if len(problems.found) > count_before:
-            return False
-    missing = [word for word in required if not isinstance(node, Map) or word not in node]
+    if not check_mapping(key, node, mark, hint, problems):
+        return False
+    count_before = len(problems.found)
+    refuse_unknown(node, (*required, *_OPTIONAL_FIELDS[name]), name, problems)
+    if len(problems.found) > count_before:
+        return False
+    missing = [word for word in required if word not in node]
     if missing:
         problems.add(mark, f"'{key}' lacks '{missing[0]}'", hint)
         return False
     spacing = node.get("spacing", "linear")
     if spacing not in ("linear", "log"):
-        problems.add(node.marks["spacing"][1], f"spacing: '{spacing}' is not known", "write linear or log")
+        problems.add(node.marks["spacing"][1], f"spacing: {quote(spacing)} is not known", "write linear or log")
         return False
     return True
 

@@ -187,7 +187,9 @@ def describe_error(item: dict[str, Any], path: KeyPath, model: type[BaseModel], 
         return message.format_map(fields), hint.format_map(fields) + other_form, at_key
     match kind:
         case "refused":
-            return f"{'' if context.get('whole') else owner}{context['message']}", context["hint"], context["key"]
+            other_form = ", or a list: [first, second, ...]" if path[-1] == "(one)" and isinstance(value, dict) else ""
+            message = f"{'' if context.get('whole') else owner}{context['message']}"
+            return message, f"{context['hint']}{other_form}", context["key"]
         case "extra_forbidden":
             return _describe_unknown(str(path[-1])[:60], path, model, tree)
         case "missing":

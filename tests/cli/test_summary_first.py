@@ -65,12 +65,12 @@ def first_table(out: str) -> str:
     return out[out.index("Peak responses") : out.index("Ratios to the same")]
 
 
-def cells_of(table: str, case: str, analysis: str) -> list[list[str]]:
-    """The two lines of a row, each parted at wide spaces."""
+def cells_of(table: str, case: str, analysis: str, count: int = 2) -> list[list[str]]:
+    """The lines of a row, `count` in all, each parted at wide spaces."""
     lines = table.splitlines()
     begin = next(at for at, line in enumerate(lines) if line.split()[:1] == [case])
     row = next(at for at in range(begin, len(lines)) if analysis in lines[at].split())
-    return [[cell for cell in line.split("  ") if cell.strip()] for line in lines[row : row + 2]]
+    return [[cell for cell in line.split("  ") if cell.strip()] for line in lines[row : row + count]]
 
 
 def test_the_largest_demand_stands_beside_the_largest_ratio_each_with_its_place(pound):
@@ -94,6 +94,24 @@ def test_beyond_the_gap_floors_are_in_contact_and_below_it_they_approach(pound):
     assert "contact in 2 of 2 motions, gap 1 cm" in touching[1]
     assert "closes 100 of 120 cm" in wide[0]
     assert "no contact" in wide[1]
+
+
+def test_a_joint_beside_a_contact_hides_no_contact(pound):
+    """They close alike (see `solve`): both are told, whichever stands first, but not a joint within the gap. Fails if
+    the cell names the connector alone."""
+    both = "{link: pounding}", "{link: connector, stiffness: 1 kN/mm}"
+    cases = ", ".join(
+        f"{case}: {{gap: {gap}, links: [{', '.join(links)}]}}"
+        for case, gap, links in (("first", "1 cm", both), ("last", "1 cm", both[::-1]), ("wide", "1.2 m", both))
+    )
+    Path("two.yaml").write_text(f"{STUDY.partition('cases:')[0]}cases: {{{cases}}}\n")
+    table = first_table(pound("run", "two.yaml")[1])
+    for case in ("first", "last"):
+        lines = [" ".join(line) for line in cells_of(table, case, "inelastic", 3)]
+        assert "penetration 99.0 cm" in lines[0]
+        assert "contact in 2 of 2 motions, gap 1 cm" in lines[1]
+        assert "connector, 99.0 cm beyond the gap" in lines[2]
+    assert "connector" not in str(cells_of(table, "wide", "inelastic"))
 
 
 def test_columns_that_no_slab_struck_are_neither_shown_nor_flagged(pound):

@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 BEYOND_MARK = "‡"
 """Stands behind a ductility far beyond the range of the storey law."""
 
+SAME_CLOSING = 1e-6
+"""Part of a closing [-] within which two are one: those of a contact and a joint of the same two floors."""
+
 PEAKS = "Peak responses and where they occur"
 
 
@@ -268,10 +271,12 @@ def _caption_of_peaks(results: ResultTables) -> str:
 def _find_gaps(results: ResultTables) -> pd.DataFrame:
     """Return by case and analysis the link that closes closest to its gap, or furthest beyond it.
 
-    A joint between floors that do not face each other has no gap between its ends; it stands here only where the case
-    has no other link.
+    Of a contact and a joint of the same two floors it is the contact. A joint between floors that do not face each
+    other has no gap between its ends; it stands here only where the case has no other link.
 
+    joint : kind of the joint that closes as far as that, "" where none does
     crosses_gap : whether there is a gap between the ends of the link
+    has_contact : whether floors of the case may strike
     histories, struck : number of time histories, and of those in which some floors of the case strike
     street : place of the link along it, NaN where all links of the case stand at one place
     """
@@ -280,34 +285,40 @@ def _find_gaps(results: ResultTables) -> pd.DataFrame:
     link = results.link("kind", "gap", "max_closing", "impacts", *["facing"] * has_inclined, *["street"] * has_places)
     if link.empty:
         return pd.DataFrame()
-    link["crosses_gap"] = link["kind"].map(results.is_contact).astype(bool)
-    link["crosses_gap"] |= link["facing"] == 1.0 if has_inclined else True
+    link["is_contact"] = link["kind"].map(results.is_contact).astype(bool)
+    link["crosses_gap"] = (link["facing"] == 1.0) | link["is_contact"] if has_inclined else True
     rows: dict[tuple[str, str], dict[str, Any]] = {}
     place: Any
     for place, here in link[link["max_closing"].notna()].groupby(["case", "analysis"], sort=False):
         across_gap = here[here["crosses_gap"]]
         candidates = across_gap if len(across_gap) else here
         beyond = candidates["max_closing"] - candidates["gap"]
-        worst = candidates.iloc[int(beyond.argmax())]
+        furthest = candidates[beyond >= beyond.max() - SAME_CLOSING * candidates["max_closing"].abs()]
+        worst = furthest.iloc[int(furthest["is_contact"].argmax())]
         keys = list_acting_keys(results, place[0])
         is_struck = here.groupby([*keys, "record"], sort=False)["impacts"].max() > 0
         rows[place] = {
             "closing": worst["max_closing"],
             "gap": worst["gap"],
             "kind": worst["kind"],
+            "joint": next(iter(furthest["kind"][~furthest["is_contact"]]), ""),
             "crosses_gap": worst["crosses_gap"],
+            "has_contact": here["is_contact"].any(),
             "struck": int(is_struck.sum()),
             "histories": len(is_struck),
             "street": worst["street"] if has_places and here["street"].max() > here["street"].min() else np.nan,
         }
-    names = ["closing", "gap", "kind", "crosses_gap", "struck", "histories", "street"]
+    names = ["closing", "gap", "kind", "joint", "crosses_gap", "has_contact", "struck", "histories", "street"]
     frame = pd.DataFrame.from_dict(rows, orient="index", columns=names)
     frame.index = pd.MultiIndex.from_tuples(frame.index, names=["case", "analysis"])
     return frame
 
 
 def _gap_column(results: ResultTables) -> Column:
-    """Return the column of gaps: floors that strike by their penetration, all others by their closing of the gap."""
+    """Return the column of gaps: floors that strike by their penetration, all others by their closing of the gap.
+
+    Below it stands in how many time histories floors strike, and which joint closes as far.
+    """
     unit = results.units.get("gap") or results.units["max_closing"]
     number = Column("closing", unit=unit, digits=3)
 
@@ -321,27 +332,34 @@ def _gap_column(results: ResultTables) -> Column:
             return f"closes {number.format(row['closing'])} {unit.name}"
         return f"closes {number.format(row['closing'])} of {unit.text(row['gap'])}"
 
-    def write_contact(row: Row) -> str:
+    def write_below(row: Row) -> str:
         if not np.isfinite(row["closing"]):
             return ""
-        beyond = row["closing"] - row["gap"]
         along = f", at {format_length(row['street'])} along the street" if np.isfinite(row["street"]) else ""
-        if not results.is_contact(row["kind"]):
-            words = [row["kind"]]
-            if not row["crosses_gap"]:
-                words.append("ends at different heights")
-            if beyond > 0:
-                words.append(f"{number.format(beyond)} {unit.name} beyond the gap")
-            return ", ".join(words) + along
+        lines = [write_contact(row)] if row["has_contact"] else []
+        is_told = row["closing"] > row["gap"] or not row["has_contact"]
+        lines += [write_joint(row)] if row["joint"] and is_told else []
+        return "\n".join(lines) + along
+
+    def write_contact(row: Row) -> str:
+        if not row["struck"]:
+            return "no contact"
         count = int(row["histories"])
         histories = count_histories(count) if results.axes else pluralize(count, "motion")
-        contact = f"contact in {row['struck']:.0f} of {histories}"
+        gap = f", gap {unit.text(row['gap'])}" if row["closing"] > row["gap"] else ""
+        return f"contact in {row['struck']:.0f} of {histories}{gap}"
+
+    def write_joint(row: Row) -> str:
+        words = [row["joint"]]
+        if not row["crosses_gap"]:
+            words.append("ends at different heights")
+        beyond = row["closing"] - row["gap"]
         if beyond > 0:
-            return f"{contact}, gap {unit.text(row['gap'])}{along}"
-        return contact if row["struck"] else f"no contact{along}"
+            words.append(f"{number.format(beyond)} {unit.name} beyond the gap")
+        return ", ".join(words)
 
     label = "gap"  # without a unit, which the cells have
-    return Column("closing", "largest closing of two floors", label=label, write=write, below=write_contact)
+    return Column("closing", "largest closing of two floors", label=label, write=write, below=write_below)
 
 
 def _count_flags(scene: pd.DataFrame) -> pd.DataFrame:
