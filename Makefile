@@ -15,7 +15,7 @@ export UV_DEFAULT_INDEX := $(PIP_INDEX_URL)
 endif
 PAGES := $(foreach study,fig5 fig6 fig7 fig8,results/$(study)/report.html)
 
-.PHONY: all setup figures studies pages test lint lock docs peers reference bench pictures fuzz dist clean
+.PHONY: all setup figures studies pages test lint lock docs peers reference processors bench pictures fuzz dist clean
 
 all: figures
 
@@ -116,6 +116,11 @@ reference: $(MOTIONS)
 	  tests/cli/test_motion_sets.py tests/cli/test_commands.py tests/cli/test_report.py tests/physics/test_laws.py \
 	  tests/physics/test_isolation.py tests/cli/test_report_paper.py tests/cli/test_optimise.py tests/cli/test_check.py \
 	  tests/cli/test_fragility_undecided.py tests/cli/test_systems.py tests/browser tests/results/test_views.py
+
+# The physics, hard and golden tests by the arithmetic of other processors: without vectors, with and without fused
+# multiply-add, by another kernel of OpenBLAS (half an hour).
+processors: setup
+	nice -n 5 $(BIN)/python -m tests.hard.processors --tests tests/physics tests/hard tests/golden
 
 # Random studies over the whole schema (about ten minutes; SCENES=2000 for a short run), and a thousand mutations each of
 # studies and motions.

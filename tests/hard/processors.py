@@ -1,4 +1,5 @@
-"""Hard scenes as one processor's arithmetic solves them: `python -m tests.hard.processors FILE`.
+"""Hard scenes as one processor's arithmetic solves them: `python -m tests.hard.processors FILE`; and whole folders of
+tests as each of them: `python -m tests.hard.processors --tests FOLDER...`.
 
 Fused multiply-add, the width of vectors and the kernels of OpenBLAS differ from one processor to the next, and with
 them the last digits of every number. A process that is told another processor compiles for it, so its runs are made in
@@ -12,7 +13,7 @@ import pickle
 import platform
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import pounding_cli as pound
@@ -62,5 +63,19 @@ def solve_as(variables: Mapping[str, str], file: Path) -> dict[str, Run]:
     return pickle.loads(file.read_bytes())
 
 
+def run_tests(folders: Sequence[str]) -> int:
+    """Run the tests of folders as every processor; return how many of these runs failed."""
+    failed = []
+    for name, variables in PROCESSORS.items():
+        print(f"\n{name}: {' '.join(f'{key}={value}' for key, value in variables.items())}", flush=True)
+        command = [sys.executable, "-m", "pytest", "-q", "-n", "auto", "--dist", "loadgroup", *folders]
+        if subprocess.run(command, env=os.environ | variables).returncode != 0:
+            failed.append(name)
+    print(f"\nfailed: {', '.join(failed) or 'none'}")
+    return len(failed)
+
+
 if __name__ == "__main__":
+    if sys.argv[1] == "--tests":
+        sys.exit(run_tests(sys.argv[2:]))
     Path(sys.argv[1]).write_bytes(pickle.dumps(solve_here()))
