@@ -28,7 +28,7 @@ def do_when_stopped(task: Callable[[], None]) -> None:
 @contextlib.contextmanager
 def hear_signals() -> Iterator[None]:
     """Hear signals for a while; only the main thread can, in any other nothing is heard."""
-    if threading.current_thread() is not threading.main_thread():
+    if not _is_main_thread():
         yield
         return
     before = signal.set_wakeup_fd(_open_pipe(os.getpid()), warn_on_full_buffer=False)
@@ -39,11 +39,15 @@ def hear_signals() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def end_late(seconds: float, end: Callable[[], None]) -> Iterator[None]:
-    """Hear signals for a while, and call `end` in another thread so long after one that stops a run [s].
+def take_signals(seconds: float, end: Callable[[], None]) -> Iterator[None]:
+    """Hear signals for a while, let SIGTERM interrupt as Ctrl-C does, and call `end` some time after one [s].
 
-    This is for what no flag can stop, such as the compiler: the main thread has until then to end the process itself.
+    `end` is called in another thread. It is for what no flag can stop, such as the compiler: the main thread has until
+    then to end the process itself.
     """
+    if not _is_main_thread():
+        yield
+        return
 
     def wait_and_end() -> None:
         time.sleep(seconds)
@@ -53,11 +57,17 @@ def end_late(seconds: float, end: Callable[[], None]) -> Iterator[None]:
         threading.Thread(target=wait_and_end, daemon=True).start()
 
     _tasks.append(start_waiting)
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)  # batch systems send it when time is up
     try:
         with hear_signals():
             yield
     finally:
+        signal.signal(signal.SIGTERM, before)
         _tasks.remove(start_waiting)
+
+
+def _is_main_thread() -> bool:
+    return threading.current_thread() is threading.main_thread()
 
 
 @functools.cache

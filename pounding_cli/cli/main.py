@@ -17,7 +17,7 @@ from pounding_cli import __version__
 from pounding_cli.errors import InputError
 from pounding_cli.paper import TITLES as POINT_TITLES
 from pounding_cli.questions import TITLES
-from pounding_cli.signals import end_late
+from pounding_cli.signals import take_signals
 
 _QUESTIONS = {name: ("solve", title) for name, title in TITLES.items()}
 
@@ -99,7 +99,7 @@ def cli(debug: bool) -> None:
     \b
     Exit codes: 0 done; 1 some time histories failed, or results differ (compare);
     2 the input or the output was refused; 70 an internal error;
-    130 stopped by Ctrl-C; 141 the program that read the output has closed.
+    130 stopped by Ctrl-C or SIGTERM; 141 the program that read the output has closed.
     """
 
 
@@ -112,7 +112,7 @@ def main() -> None:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(encoding="utf-8", errors="replace")
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # looking for some reads a file of every package
-    with end_late(GRACE, _end):
+    with take_signals(GRACE, _end):
         code = _run()
     for stream in (sys.stdout, sys.stderr):
         try:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import os
-import signal
-import threading
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
@@ -126,11 +124,7 @@ def solve_study(
             log.write_event("warning", text=str(warning))
         elif not quiet:
             click.echo(f"warning: {warning}", err=True)
-    for line in describe_taken_files(loaded):
-        if log:
-            log.write_event("motion", text=line)
-        elif not quiet:
-            click.echo(line, err=True)
+    print_taken(describe_taken_files(loaded), quiet, log)
     asked = ask_question(name, loaded)
     print_taken(asked.taken, quiet, log)
     if write is not None:
@@ -155,12 +149,10 @@ def print_taken(taken: Iterable[str], quiet: bool, log: JsonLines | None) -> Non
 
 
 def prepare_solving() -> None:
-    """Let linear algebra use one thread, and let SIGTERM stop a run as Ctrl-C does; before anything is imported."""
-    # Linear algebra in one thread: scenes are solved side by side, and their matrices are small.
+    """Let linear algebra use one thread, before anything is imported: scenes are solved side by side, and their
+    matrices are small."""
     for library in ("OPENBLAS", "OMP", "MKL", "NUMEXPR", "VECLIB_MAXIMUM"):
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
-    if threading.current_thread() is threading.main_thread():  # batch systems send SIGTERM when time is up
-        signal.signal(signal.SIGTERM, signal.default_int_handler)
 
 
 def answer_question(asked: StudyQuestion, path: Path, quiet: bool, log_json: bool, **how: Any) -> bool:

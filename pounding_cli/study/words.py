@@ -19,6 +19,7 @@ from pounding_cli.study.issues import Issue, KeyPath
 from pounding_cli.study.link_specs import NO_LINK, POUNDING, SeveralLinks, link_keys, link_models, union_tag
 from pounding_cli.study.quantity import SEVERAL_VALUES, Quantity, ValueParser, quote
 from pounding_cli.study.records_spec import CODE_TARGETS
+from pounding_cli.study.schema import ONCE, StudySpec, find_section_names
 
 
 @functools.cache
@@ -187,9 +188,12 @@ def describe_error(item: dict[str, Any], path: KeyPath, model: type[BaseModel], 
         return message.format_map(fields), hint.format_map(fields) + other_form, at_key
     match kind:
         case "refused":
-            other_form = ", or a list: [first, second, ...]" if path[-1] == "(one)" and isinstance(value, dict) else ""
             message = f"{'' if context.get('whole') else owner}{context['message']}"
-            return message, f"{context['hint']}{other_form}", context["key"]
+            hint = (
+                context["hint"] if _can_be_swept(path, model) else context["hint"].removesuffix(f"; {SEVERAL_VALUES}")
+            )
+            other_form = _OTHER_FORMS["(one)"] if path[-1] == "(one)" and isinstance(value, dict) else ""
+            return message, f"{hint}{other_form}", context["key"]
         case "extra_forbidden":
             return _describe_unknown(str(path[-1])[:60], path, model, tree)
         case "missing":
@@ -201,6 +205,11 @@ def describe_error(item: dict[str, Any], path: KeyPath, model: type[BaseModel], 
             is_empty = context.get("actual_length") == len(value or ())
             return f"'{name}' is empty" * is_empty, _example(model, path, tree) or "write at least one value", False
     return f"{owner}{item['msg']}", _example(model, path, tree), False
+
+
+def _can_be_swept(path: KeyPath, model: type[BaseModel]) -> bool:
+    """Return whether a key may have several values under `sweep:`; not one of a section of the whole study."""
+    return not issubclass(model, StudySpec) or path[0] not in {*ONCE, *find_section_names(model)}
 
 
 def _last_key(path: KeyPath) -> str:

@@ -13,7 +13,7 @@ import pytest
 
 import pounding_cli as pound
 from pounding_cli.batch.pool import open_pool, stop_executor
-from pounding_cli.signals import end_late
+from pounding_cli.signals import take_signals
 from pounding_cli.solver.solve import solve
 from tests.adapter import scenes
 
@@ -98,7 +98,7 @@ def test_what_nothing_can_stop_is_cut_off():
     ended = threading.Event()
     before = signal.signal(signal.SIGINT, lambda *_: None)
     try:
-        with end_late(0.05, ended.set):
+        with take_signals(0.05, ended.set):
             threading.Timer(0.05, signal.raise_signal, [signal.SIGINT]).start()
             hashlib.pbkdf2_hmac("sha256", b"word", b"salt", 1_000_000)
             assert ended.is_set()
