@@ -322,7 +322,7 @@ def test_a_workbook_is_refused_as_a_table(pound):
     Path("street.xlsx").write_bytes(b"PK\x03\x04" + bytes(100))
     code, _, err = pound("screen", "street.xlsx")
     assert code == 2
-    assert "export it as text; give a table of neighbours" in err
+    assert "export it as text, in UTF-8; give a table of neighbours" in err
 
 
 def test_years_need_a_zone(pound):
