@@ -171,7 +171,7 @@ def test_changed_samples_of_a_motion_are_the_cause(folder, pound):
     study = Path("two.yaml")
     study.write_text(study.read_text().replace("use: [elcentro, taft]", "use: [weak.txt, strong.txt]"))
     pound("run", "two.yaml", "-q")
-    Path("weak.txt").write_text(Path("weak.txt").read_text().replace("0.0", "0.00", 1))
+    Path("weak.txt").write_text(Path("weak.txt").read_text().replace("\n0.0", "\n0.00", 1))
     np.savetxt("strong.txt", np.linspace(-0.1, 0.3, 50), header="unit: g\ndt: 0.01 s")
     (line,) = causes()
     assert line.startswith("motion strong, other samples: 8 time histories")
