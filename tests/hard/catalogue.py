@@ -11,7 +11,7 @@ from typing import Any
 
 import yaml
 
-DECIMAL = "residual", "sensitive", "peak_force", "max_closing", "agree"
+DECIMAL = "residual", "sensitive", "peak_force", "max_closing", "chance"
 """Keys whose numbers are decimal: YAML takes 1e-8 for a word."""
 
 SCENES = Path(__file__).parent / "scenes"
