@@ -12,7 +12,7 @@ from pounding_cli.laws.pounding import reduced_mass
 from pounding_cli.methods import Method
 from pounding_cli.model.scene import Scene
 from pounding_cli.solver.layout import Layout, build_term_matrix
-from pounding_cli.solver.records import FORMULA, RUN, SERIES, STATE, Data, Room, Watch
+from pounding_cli.solver.records import FORMULA, MIN_STATE, RUN, SERIES, STATE, Data, Room, Watch
 from pounding_cli.solver.segments import find_last_segment
 
 SAFETY = 0.5
@@ -33,9 +33,6 @@ steps become as much shorter as it would make them."""
 
 ORDER_OF_DOP853 = 8
 """Power of the step by which its error falls."""
-
-MIN_STATE = 1e-6
-"""Size of a displacement [m], velocity [m/s] or history variable below which DOP853 resolves nothing."""
 
 MIN_SCALE = 1e-3
 """Acceleration below which nothing is resolved, over the ground's peak [-]."""
