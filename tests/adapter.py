@@ -150,6 +150,13 @@ def solve_scene(scene: pound.Scene, accuracy: float = 1e-6, **settings: Any) -> 
     return solver.solve(scene, accuracy, **settings)
 
 
+def solve_whole(scene: Scene, accuracy: float = 1e-6) -> pound.Response:
+    """Return the response of a scene that is solved as one, though nothing may touch in it."""
+    run = solver.prepare_run([scene.built], accuracy)
+    run.integrate()
+    return run.build_responses()[0]
+
+
 def events_until_stalled(elements: int, part: float, most: int) -> int:
     """Count the events, each at this part of its step, after which a run of so many elements has stalled; `most` where
     it has not after as many."""

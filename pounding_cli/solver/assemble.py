@@ -45,6 +45,9 @@ MAX_EVENTS = 5_000_000
 
 NOTHING_KEPT = Watch(np.zeros(0), np.zeros((0, 0, 3)), np.zeros((0, 0, 2)), np.zeros((0, 3)), np.zeros((0, 0)))
 
+Bounds = tuple[int, int]
+"""Largest number of steps of a run, largest number of its events."""
+
 InitialState = tuple[Sequence[np.ndarray], Sequence[np.ndarray]]
 """Floor displacements [m] and velocities [m/s] relative to the ground, one array (n,) a building; of one whose floors
 twist (n,), or (2n,) with the rotations [rad] and their rates [rad/s] behind them."""
@@ -57,7 +60,7 @@ def build_records(
     method: Method,
     initial: InitialState | None,
     times: np.ndarray | None,
-    bounds: tuple[int, int],
+    bounds: Bounds | Sequence[Bounds],
     least_steps: int = 1,
 ) -> Data:
     """Return the records of runs of one layout, a row a scene; parameters as of `solve.prepare_run`."""
@@ -75,7 +78,7 @@ def build_records(
     runs["rest"] = [find_last_segment(scene) for scene in scenes]
     runs["most_h"] = runs["dt"] / least_steps
     runs["least"] = [_find_least_acceleration(layout, *each) for each in zip(scenes, dofs, elements, strict=True)]
-    runs["most_steps"], runs["most_events"] = bounds
+    runs["most_steps"], runs["most_events"] = np.transpose(bounds)
     runs["always_smooth"] = method.name == "dop853"
     needs_room = layout.has_smooth or method.name == "dop853" or method.takes_step
     return Data(

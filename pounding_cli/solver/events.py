@@ -144,13 +144,13 @@ def _find_reach(dofs, terms, el):
 def _find_meeting(dofs, terms, el, run, row, guard, end):
     """Return where in [0, end] an element, whose rate stands in run.p, first meets a guard; NEVER where it does not.
 
-    The guard of a link that up to there only moved by what DOP853 does not resolve has a sign by chance: it is met
-    where it is passed by so much. Floors that rest on each other would else strike, or their force be cut off, without
-    end.
+    A guard that up to there only changed by what DOP853 does not resolve has a sign by chance: it is met where it is
+    passed by so much. Floors that rest on each other would else strike, or their force be cut off, and storeys that
+    come to rest turn back, without end.
     """
     n = _build_guard(el, run, row, guard)
     at = find_first_crossing(run, n, end)
-    if run.smooth and at < NEVER and el.drifts == 0:
+    if run.smooth and at < NEVER:
         doubt = _find_doubt(dofs, terms, el, run, row, guard)
         size = 0.0
         for k in range(n, -1, -1):
@@ -166,7 +166,7 @@ def _find_meeting(dofs, terms, el, run, row, guard, end):
 
 @njit(**PART)
 def _find_doubt(dofs, terms, el, run, row, guard):
-    """Return how large a guard of a link may be by what a step by DOP853 does not resolve; 0 of one of a history.
+    """Return how large a guard may be by what a step by DOP853 does not resolve; 0 of one of a history.
 
     That of a force is the part of it that deformation and rate may be of their largest in the step.
     """
