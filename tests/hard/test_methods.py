@@ -115,8 +115,8 @@ def test_random_cut_infills(number: int) -> None:
 def test_a_run_that_does_not_get_on_ends() -> None:
     """Events in a row, each a billionth or a tenth of its step behind the one before. Fails if a run goes on with the
     first, or is stopped for the second, as contacts may have them."""
-    assert 1000 <= events_until_stalled(10, 1e-9, 100_000) <= 20_000
-    assert events_until_stalled(10, 0.1, 100_000) == 100_000
+    assert 1000 <= events_until_stalled(10, 1e-9, 20_000) < 20_000
+    assert events_until_stalled(10, 0.1, 20_000) == 20_000
 
 
 @pytest.mark.parametrize("number", [0, 1])
