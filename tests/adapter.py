@@ -151,6 +151,28 @@ def solve_scene(scene: pound.Scene, accuracy: float = 1e-6, **settings: Any) -> 
     return solver.solve(scene, accuracy, **settings)
 
 
+def solve_whole(scene: Scene, accuracy: float = 1e-6) -> pound.Response:
+    """Return the response of a scene that is solved as one, though nothing may touch in it."""
+    run = solver.prepare_run([scene.built], accuracy)
+    run.integrate()
+    return run.build_responses()[0]
+
+
+def events_until_stalled(elements: int, part: float, most: int) -> int:
+    """Count the events, each at this part of its step, after which a run of so many elements has stalled; `most` where
+    it has not after as many."""
+    from pounding_cli.solver import records
+    from pounding_cli.solver.run import count_step
+
+    run = np.zeros(1, records.RUN).view(np.recarray)[0]
+    run.m, run.end, run.status, run.most_steps, run.most_events = elements, part, records.DONE, most, most
+    for count in range(1, most):
+        count_step.py_func(run, True)
+        if run.status == records.STALLED:
+            return count
+    return most
+
+
 def _flat(arrays: Sequence[np.ndarray]) -> np.ndarray:
     return np.concatenate([array.ravel() for array in arrays])
 

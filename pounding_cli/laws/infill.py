@@ -284,7 +284,7 @@ class InfillOnColumns(Infill):
     flexibility : f, deformation of the columns per force [m/N]
     """
 
-    behaviour = Behaviour(next_branch_on_columns, series_force, begins_by_series=True)
+    behaviour = Behaviour(next_branch_on_columns, series_force)
 
     flexibility: float = field(kw_only=True)
 

@@ -113,13 +113,11 @@ class Behaviour:
         while low < v < high and slow < v' < fast
     force : (e, v, r) -> F [N], added on branches with e.smooth = 1, which DOP853 steps; None where there are none
     history_rate : (e, r, h) -> h', rate of the history variable e.h[0] that changes between events too
-    begins_by_series : whether a contact begins on a branch without `force`, though it has others
     """
 
     next_branch: Callable[[Any, int], None]
     force: Callable[[Any, float, float], float] | None = None
     history_rate: Callable[[Any, float, float], float] | None = None
-    begins_by_series: bool = False
 
 
 def set_line(e: Any, k: float, c: float, f0: float, low: float, high: float, way: int = 0) -> None:

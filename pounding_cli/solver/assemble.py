@@ -12,7 +12,7 @@ from pounding_cli.laws.pounding import reduced_mass
 from pounding_cli.methods import Method
 from pounding_cli.model.scene import Scene
 from pounding_cli.solver.layout import Layout, build_term_matrix
-from pounding_cli.solver.records import FORMULA, RUN, SERIES, STATE, Data, Room, Watch
+from pounding_cli.solver.records import FORMULA, MIN_STATE, RUN, SERIES, STATE, Data, Room, Watch
 from pounding_cli.solver.segments import find_last_segment
 
 SAFETY = 0.5
@@ -34,9 +34,6 @@ steps become as much shorter as it would make them."""
 ORDER_OF_DOP853 = 8
 """Power of the step by which its error falls."""
 
-MIN_STATE = 1e-6
-"""Size of a displacement [m], velocity [m/s] or history variable below which DOP853 resolves nothing."""
-
 MIN_SCALE = 1e-3
 """Acceleration below which nothing is resolved, over the ground's peak [-]."""
 
@@ -47,6 +44,9 @@ MAX_EVENTS = 5_000_000
 """Events of a run after which it ends with a status that says so."""
 
 NOTHING_KEPT = Watch(np.zeros(0), np.zeros((0, 0, 3)), np.zeros((0, 0, 2)), np.zeros((0, 3)), np.zeros((0, 0)))
+
+Bounds = tuple[int, int]
+"""Largest number of steps of a run, largest number of its events."""
 
 InitialState = tuple[Sequence[np.ndarray], Sequence[np.ndarray]]
 """Floor displacements [m] and velocities [m/s] relative to the ground, one array (n,) a building; of one whose floors
@@ -60,7 +60,7 @@ def build_records(
     method: Method,
     initial: InitialState | None,
     times: np.ndarray | None,
-    bounds: tuple[int, int],
+    bounds: Bounds | Sequence[Bounds],
     least_steps: int = 1,
 ) -> Data:
     """Return the records of runs of one layout, a row a scene; parameters as of `solve.prepare_run`."""
@@ -78,7 +78,7 @@ def build_records(
     runs["rest"] = [find_last_segment(scene) for scene in scenes]
     runs["most_h"] = runs["dt"] / least_steps
     runs["least"] = [_find_least_acceleration(layout, *each) for each in zip(scenes, dofs, elements, strict=True)]
-    runs["most_steps"], runs["most_events"] = bounds
+    runs["most_steps"], runs["most_events"] = np.transpose(bounds)
     runs["always_smooth"] = method.name == "dop853"
     needs_room = layout.has_smooth or method.name == "dop853" or method.takes_step
     return Data(

@@ -39,8 +39,15 @@ ILL_CONDITIONED = 100.0
 TIGHTER = 1e-3
 """Accuracy of the second run over that of the first."""
 
-FINEST = 1e-14
-"""No run is asked for more than this: doubles hold little more."""
+FINEST = 1e-12
+"""No run judges another at a finer accuracy: below it rounding makes finer runs worse."""
+
+PRICE = 100
+"""Most steps, and most events, of all runs together that assess a response, over those of its own run [-]. Twenty are
+usual where accuracies are fine and a force is smooth."""
+
+LEAST_PRICE = 10_000
+"""Steps, and events, that they may take in any case."""
 
 SCATTER = ((2.0, 2), (4.0, 3))
 """Of two more runs, where rounding may decide: accuracy over that of the finer one, and steps in a time step of the
@@ -68,6 +75,9 @@ BESIDE_FIXED_STEPS = 1e-9
 """Accuracy of the Taylor run that a fixed-step method is judged by."""
 
 
+CUT_SHORT = "error estimate cut short"
+"""The flag of a response whose error may be larger than its estimate, because the runs for that were stopped."""
+
 ARM = 1.0
 """Distance from the centres of mass at which a twist is told from nothing by what it moves [m]."""
 
@@ -86,7 +96,7 @@ Triple = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 def refine_accuracy(accuracy: float) -> float:
     """Return the accuracy of the run by which one at `accuracy` is judged [-]."""
-    return max(accuracy * TIGHTER, FINEST)
+    return min(accuracy, max(accuracy * TIGHTER, FINEST))
 
 
 @functools.lru_cache(maxsize=16)
@@ -205,26 +215,33 @@ def assess(scenes: Sequence[Scene], responses: Sequence[Response], accuracy: flo
         Taylor [-]
     sensitivity : change when the motion grows by 1e-6 on its way, over 1e-6; at most about 1 for a linear scene [-]
 
-    A finer run replaces a response that misses the accuracy asked by its own estimate, and is then assessed by a still
-    finer one, until the estimate meets the accuracy or double precision is not enough. In that case, or if rounding may
-    be near the accuracy, two more runs show the scatter of the numbers.
+    A response that misses the accuracy asked by its own estimate is judged by still finer runs, until one meets the
+    accuracy or double precision is not enough. In that case, or if rounding may be near the accuracy, two more runs
+    show the scatter of the numbers. The answer is the first run that meets the accuracy, or else the best of them.
+
+    All these runs together take at most `PRICE` times the steps of the response, or `LEAST_PRICE`. A flag says where
+    they were stopped, and the error may be larger than the estimate.
     """
     assessed = list(responses)
     unsettled = [number for number, response in enumerate(responses) if response.has_result]
     method = responses[0].method if responses else "taylor"
+    prices = [find_price(response) for response in responses]
     if accuracy >= FINEST_AT_ONCE and not METHODS[method].takes_step:
         nudge = min(LITTLE * accuracy, NUDGE)
         nudged = [_nudge_scene(scenes[number], nudge) for number in unsettled]
-        judges = solver.solve_all(nudged, refine_accuracy(accuracy), method)
+        bounds = [(prices[number], prices[number]) for number in unsettled]
+        judges = solver.solve_all(nudged, refine_accuracy(accuracy), method, bounds=bounds)
         for number, judge in zip(tuple(unsettled), judges, strict=True):
             response = responses[number]
             error = find_difference(response, judge)
             sensitivity = find_change(response, judge) / nudge
             if error <= HARMLESS * accuracy and sensitivity <= HARMLESS * ILL_CONDITIONED:
-                assessed[number] = dataclasses.replace(response, error_estimate=error, sensitivity=sensitivity)
+                assessed[number] = _put_doubts(response, accuracy, error, sensitivity)
                 unsettled.remove(number)
+            else:
+                prices[number] -= _count_effort(judge)
     for number in unsettled:
-        assessed[number] = _assess_closely(scenes[number], responses[number], accuracy)
+        assessed[number] = _assess_closely(scenes[number], responses[number], accuracy, prices[number])
     return assessed
 
 
@@ -233,43 +250,111 @@ def _nudge_scene(scene: Scene, nudge: float) -> Scene:
     return dataclasses.replace(scene, motion=nudge_motion(scene.motion, nudge))
 
 
-def _assess_closely(scene: Scene, response: Response, accuracy: float) -> Response:
-    """Return a response that is assessed by runs of its own, or a finer one where it misses the accuracy."""
+def find_price(response: Response) -> int:
+    """Return how many steps, and how many events, all runs together may take that assess a response."""
+    return max(PRICE * _count_effort(response), LEAST_PRICE)
+
+
+def _count_effort(response: Response) -> int:
+    """Return the steps of a run, or its events where they are more."""
+    return max(response.steps, response.events)
+
+
+class _Judges:
+    """The runs that judge a response, within its price.
+
+    left : steps, and events, that they may still take; below zero where the last run was stopped for them
+    """
+
+    def __init__(self, method: str, left: int) -> None:
+        self.method = method
+        self.left = left
+
+    def solve(self, scene: Scene, accuracy: float, least_steps: int = 1) -> Response:
+        """Return the response of a scene; without numbers where it would take more than is left."""
+        bounds = (max(self.left, 0), max(self.left, 0))
+        response = solver.solve(scene, accuracy, self.method, bounds=bounds, least_steps=least_steps)
+        self.left -= _count_effort(response)
+        return response
+
+
+def _assess_closely(scene: Scene, response: Response, accuracy: float, left: int) -> Response:
+    """Return a response that is assessed by runs of its own, or the best of these where it misses the accuracy.
+
+    left : steps, and events, that these runs may take
+    """
     takes_step = METHODS[response.method].takes_step
-    method = "taylor" if takes_step else response.method
+    judges = _Judges("taylor" if takes_step else response.method, left)
     fine = BESIDE_FIXED_STEPS if takes_step else refine_accuracy(accuracy)
-    judge, nudged = solver.solve_all([scene, _nudge_scene(scene, NUDGE)], fine, method)
-    sensitivity = find_change(judge, nudged) / NUDGE
+    judge = judges.solve(scene, fine)
+    sensitivity = find_change(judge, judges.solve(_nudge_scene(scene, NUDGE), fine)) / NUDGE
     error = find_difference(response, judge)
     seconds = response.seconds
-    while not takes_step and error > accuracy and judge.has_result:
-        response = judge
-        seconds += judge.seconds
-        if fine <= FINEST:
-            break
-        fine = refine_accuracy(fine)
-        judge = solver.solve(scene, fine, method)
-        error = find_difference(response, judge) if judge.has_result else error
-    if error == 0.0 and not takes_step:
-        error = find_difference(response, solver.solve(scene, fine, method, least_steps=OTHER_STEPS))
-    if not takes_step and (error > accuracy or min(error, sensitivity * GRAZING) > DECIDES * accuracy):
-        others = (solver.solve(scene, fine * times, method, least_steps=steps) for times, steps in SCATTER)
-        error = np.nanmax([error, *(find_difference(response, other) for other in others)])
+    if not takes_step:
+        runs = [response, judge]
+        while error > accuracy and judge.has_result and fine > FINEST:
+            fine = refine_accuracy(fine)
+            judge = judges.solve(scene, fine)
+            error = find_difference(runs[-1], judge)
+            runs.append(judge)
+        others = [judges.solve(scene, fine, OTHER_STEPS)] if error == 0.0 else []
+        if others:
+            error = find_difference(response, others[0])
+        if error > accuracy or min(error, sensitivity * GRAZING) > DECIDES * accuracy:
+            others += [judges.solve(scene, fine * times, steps) for times, steps in SCATTER]
+        place, error = _find_best(runs, others, accuracy)
+        response = runs[place]
+        seconds = sum(run.seconds for run in runs[: place + 1])
+    response = dataclasses.replace(response, accuracy=response.accuracy if takes_step else accuracy, seconds=seconds)
+    limit = ""
+    if judges.left < 0:
+        limit = f"its runs may take {PRICE} times the steps of the run itself, or {LEAST_PRICE:,}"
+    end = limit or f"the run at {fine:.0e} for the estimate ended with: {judge.status}"
+    return _put_doubts(response, accuracy, error, sensitivity, end, limit)
+
+
+def _find_best(runs: Sequence[Response], others: Sequence[Response], accuracy: float) -> tuple[int, float]:
+    """Return the place of the first run that meets the accuracy, or of the best, and its error [-]; nan if not known.
+
+    The error of a run is its largest difference from all finer ones, and from the others. Where rounding makes finer
+    runs worse, that is least for a coarse one.
+
+    Parameters
+    ----------
+    runs : each finer than the one before
+    others : as fine as the last of them
+    """
+    errors = []
+    for place, run in enumerate(runs):
+        differences = [find_difference(run, judge) for judge in (*runs[place + 1 :], *others)]
+        errors.append(float(np.fmax.reduce(differences, initial=-np.inf)))
+    known = [(error, place) for place, error in enumerate(errors) if error >= 0.0]
+    if not known:
+        return 0, float("nan")
+    error, place = next((each for each in known if each[0] <= accuracy), min(known))
+    return place, error
+
+
+def _put_doubts(
+    response: Response, accuracy: float, error: float, sensitivity: float, end: str = "", limit: str = ""
+) -> Response:
+    """Return a response with its error and sensitivity [-], and a flag for each that is too large or not known.
+
+    error : by other runs; that of the drifts at rest, which all runs share, comes beside it
+    end : why there is no error
+    limit : what stopped the runs for the estimate, "" where nothing did
+    """
+    error = max(error, response.rest_error)
     flags = list(response.flags)
     if sensitivity > ILL_CONDITIONED:
         flags.append(_flag_sensitivity(sensitivity))
     if np.isnan(error):
-        flags.append(Flag("no error estimate", f"the run at {fine:.0e} for the estimate ended with: {judge.status}"))
-    if not takes_step and error > accuracy:
-        flags.append(_flag_error(float(error), accuracy))
-    return dataclasses.replace(
-        response,
-        accuracy=response.accuracy if takes_step else accuracy,
-        seconds=seconds,
-        error_estimate=float(error),
-        sensitivity=sensitivity,
-        flags=tuple(flags),
-    )
+        flags.append(Flag("no error estimate", end))
+    elif limit:
+        flags.append(Flag(CUT_SHORT, f"{limit}; the error, about {error:.1e}, may be larger", error))
+    if not METHODS[response.method].takes_step and error > accuracy:
+        flags.append(_flag_error(error, accuracy))
+    return dataclasses.replace(response, error_estimate=error, sensitivity=sensitivity, flags=tuple(flags))
 
 
 def _flag_sensitivity(sensitivity: float) -> Flag:

@@ -23,7 +23,7 @@ from pounding_cli.laws.guards import (
 )
 from pounding_cli.solver.options import CALLED, PART
 from pounding_cli.solver.polynomial import NEVER, evaluate, find_first_crossing
-from pounding_cli.solver.records import ITS_FORCE, VALUE
+from pounding_cli.solver.records import ITS_FORCE, MIN_STATE, VALUE
 from pounding_cli.solver.series import LAST_DIGITS
 from pounding_cli.solver.step_end import build_rate, find_reach_of_terms, integrate_rate
 from pounding_cli.solver.stick import find_drive
@@ -33,10 +33,6 @@ MAX_AT_INSTANT = 4
 
 INSTANT = 1e-12
 """Part of a step [-] within which an event counts as one at its start."""
-
-FROM_REST = 1e-3
-"""Part of the first step of a run from rest at which floors in touch close at the earliest, where DOP853 steps their
-contact: only a series tells the sign of what begins by a high power of time."""
 
 
 @njit(**CALLED)
@@ -57,9 +53,7 @@ def find_first_event(dofs, elements, terms, run, series):
                     break
                 if el.drifts and not el.slides and _is_at_rest_but_for_rounding(dofs, terms, el, run):
                     break
-                at = _find_meeting(el, run, series[el.row], guard, min(1.0, el.at))
-                if el.eased and run.still:
-                    at = max(at, FROM_REST)
+                at = _find_meeting(dofs, terms, el, run, series[el.row], guard, min(1.0, el.at))
                 if at < el.at:
                     el.at = at
                     el.guard = guard
@@ -113,8 +107,6 @@ def _is_moved_by_rounding(dofs, terms, el, run):
     least_rate = LAST_DIGITS * fastest
     if abs(el.v0) > least_v or abs(el.r0) > least_rate:
         return False
-    if run.smooth:  # the polynomials of a step by DOP853 multiply rounding on their way
-        return abs(el.v1) <= least_v and abs(el.r1) <= least_rate
     size = 0.0
     for k in range(run.order + 1):
         size += abs(run.p[k])
@@ -149,14 +141,51 @@ def _find_reach(dofs, terms, el):
 
 
 @njit(**CALLED)
-def _find_meeting(el, run, row, guard, end):
-    """Return where in [0, end] an element, whose rate stands in run.p, first meets a guard; NEVER where it does not."""
+def _find_meeting(dofs, terms, el, run, row, guard, end):
+    """Return where in [0, end] an element, whose rate stands in run.p, first meets a guard; NEVER where it does not.
+
+    A guard that up to there only changed by what DOP853 does not resolve has a sign by chance: it is met where it is
+    passed by so much. Floors that rest on each other would else strike, or their force be cut off, and storeys that
+    come to rest turn back, without end.
+    """
     n = _build_guard(el, run, row, guard)
     at = find_first_crossing(run, n, end)
+    if run.smooth and at < NEVER:
+        doubt = _find_doubt(dofs, terms, el, run, row, guard)
+        size = 0.0
+        for k in range(n, -1, -1):
+            size = size * at + abs(run.p[k])
+        if size < doubt:
+            run.p[0] += doubt
+            at = find_first_crossing(run, n, end)
     often = el.stuck >= MAX_AT_INSTANT
     if often and at < INSTANT and (el.stuck > 3 * MAX_AT_INSTANT or evaluate(run.p, n, 1.0) > 0.0):
         return NEVER
     return at
+
+
+@njit(**PART)
+def _find_doubt(dofs, terms, el, run, row, guard):
+    """Return how large a guard may be by what a step by DOP853 does not resolve; 0 of one of a history.
+
+    That of a force is the part of it that deformation and rate may be of their largest in the step.
+    """
+    reach, fastest = _find_reach(dofs, terms, el)
+    least = run.smooth_tolerance * MIN_STATE
+    least_v = least + LAST_DIGITS * reach
+    least_rate = least + LAST_DIGITS * fastest
+    if guard == LOW or guard == HIGH:
+        return least_v
+    if guard == SLOWER or guard == FASTER:
+        return least_rate
+    if guard != SIGN_CHANGE:
+        return 0.0
+    part_of_v = least_v / (max(abs(el.v0), abs(el.v1)) + el.dv)
+    part_of_rate = least_rate / (max(abs(el.r0), abs(el.r1)) + el.dr)
+    size = 0.0
+    for k in range(run.order):
+        size += abs(row.f[k])
+    return size * min(1.0, max(part_of_v, part_of_rate))
 
 
 @njit(**PART)

@@ -147,7 +147,7 @@ def _build_layout(
     links = []
     for template, (left, right) in zip(templates, ends, strict=True):
         weights = left | {dof: -weight for dof, weight in right.items()}
-        links.append((_build_link(template.law.behaviour), weights))
+        links.append((build_element(template.law.behaviour), weights))
     beside = [*drags, *lines, *links]
     elements = _fill_records(ELEMENT, [*storeys, *(element for element, _ in beside)])
     terms: Terms = []
@@ -199,11 +199,6 @@ def _build_terms(terms: Terms) -> np.ndarray:
     table["weight"][: len(terms)] = [weight for weight, _ in terms]
     table["dof"][: len(terms)] = [number for _, number in terms]
     return table
-
-
-def _build_link(behaviour: Behaviour) -> Fields:
-    """Return the element of a link, without the parameters of its law."""
-    return build_element(behaviour, eased=behaviour.force is not None and not behaviour.begins_by_series)
 
 
 def _find_ends(parts: Sequence[BuildingElements], template: LinkTemplate) -> tuple[Weights, Weights]:

@@ -21,7 +21,7 @@ ENDS: tuple[Outcome, ...] = (
     (COLLAPSED, ""),
     ("step bound reached", "a part of the scene is far stiffer than the rest: check stiffnesses and masses"),
     ("event bound reached", "the floors strike too often: check the stiffness and damping of the links"),
-    ("stalled", "events repeat without advancing in time: check for links whose force jumps"),
+    ("stalled", "events repeat without advancing in time: check for links whose force jumps, or use another method"),
     ("not finite", "the numbers exceed the range of double precision: check masses and stiffnesses"),
     ("no root", "Newton's method found no root, because a force jumps: use a method with events, e.g. taylor"),
     ("unstable step", "the solution would grow without bound: use a shorter time step, or taylor"),

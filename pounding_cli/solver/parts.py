@@ -63,6 +63,7 @@ def join_responses(scene: Scene, parts: Sequence[PartScene], responses: Sequence
         flags=tuple(_join_flags(parts, responses)),
         error_estimate=float(np.max([each.error_estimate for each in responses])),
         sensitivity=float(np.max([each.sensitivity for each in responses])),
+        rest_error=max(each.rest_error for each in responses),
         closing_to_rest=_join_links(scene, parts, [each.closing_to_rest for each in responses]),
     )
 

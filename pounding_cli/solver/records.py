@@ -29,6 +29,10 @@ from pounding_cli.laws.law import HISTORY, PARAMETERS
 ORDERS = 32
 """Room for the orders of a series: none has more than 31 terms."""
 
+MIN_STATE = 1e-6
+"""Size of a displacement [m], velocity [m/s] or history variable below which DOP853 resolves nothing: its tolerance is
+relative to that at least."""
+
 PLACES_INSIDE = 8
 """Places inside a step where velocities and forces are looked at for its energies."""
 
@@ -140,7 +144,6 @@ ELEMENT = _build_dtype(f"""
     i8 row         place among the series
     i8 state       place of h[0] among what DOP853 integrates, or 0
     i8 yields      1 for a storey whose work is kept
-    i8 eased       1 for a contact that DOP853 steps (`events.FROM_REST`)
     i8 holds       1 for a slider that sticks
     i8 slides      1 for a slider
     i8 drifts      1 for what counts as a storey
@@ -224,6 +227,7 @@ RUN = _build_dtype(f"""
     i8 events
     i8 orders
     i8 instant     events at one instant
+    i8 hasty       events in a row, each in the first hundredth of its step (`run.HASTE`)
     # state
     i8 status      how the run ends (`DONE`...)
     i8 smooth      1 while DOP853 takes the steps

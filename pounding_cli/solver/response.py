@@ -223,6 +223,8 @@ class Response:
         building; (0,) where floors do not twist
     time_step : of a method that takes one [s]; nan for the others
     closing_to_rest : largest closing of every link until the scene is at rest, that of the motion included [m]
+    rest_error : error of the drifts at rest by the vibration that was left, over the largest drifts, of which
+        `error_estimate` is no less [-]
     """
 
     peaks: np.void
@@ -245,6 +247,7 @@ class Response:
     final: tuple[tuple[np.ndarray, np.ndarray], ...] = ()
     final_turns: tuple[tuple[np.ndarray, np.ndarray], ...] = ()
     closing_to_rest: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    rest_error: float = 0.0
 
     @property
     def buildings(self) -> tuple[BuildingPeaks, ...]:

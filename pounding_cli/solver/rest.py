@@ -2,6 +2,7 @@
 
 Two steps. The run goes on over still ground until its energy is too small to take any storey off its branch; and the
 drift at rest is that of the equilibrium of these branches (`rest_state`), without waiting for the vibration to end.
+Where a branch may always end, the run goes on until the vibration is small and the equilibrium settles (`Settling`).
 """
 
 from __future__ import annotations
@@ -37,6 +38,13 @@ LONGEST_STRETCH = 6.0
 """Longest periods after which a scene is looked at again at the latest: what is long at rest is rounding, which smooth
 laws follow by short steps."""
 
+SAFETY = 2.0
+"""Error of a drift at rest over what follows from how it settles [-]: that depends on where in a swing it is looked at.
+"""
+
+LEAST_ERROR = 1e-10
+"""Part of the largest drift [-] by which a drift at rest may be off, whatever the accuracy asked."""
+
 NO_RESIDUAL_DRIFT = "no residual drift"
 """The flag of a scene without drifts at rest; its detail is one of these reasons."""
 
@@ -57,11 +65,14 @@ class Rest:
     reasons : why there is none, "" where there is or where none is asked for; one a scene
     max_closing : largest closing of every link in the motion, and until the scene is at rest where that is asked [m];
         shape (scenes, links)
+    error : how far the vibration that was left may move a drift at rest, over the largest drift of the storey or line
+        [-]; shape (scenes,)
     """
 
     drift: np.ndarray
     reasons: list[str]
     max_closing: np.ndarray
+    error: np.ndarray
 
 
 def find_rest(run: SceneRun, is_done: np.ndarray) -> Rest:
@@ -77,7 +88,9 @@ def find_rest(run: SceneRun, is_done: np.ndarray) -> Rest:
     first_link = layout.of_links.start
     offsets = links["offset"]
     peaks = run.data.elements["peak_v"][:, :first_link].copy()
-    rest = Rest(np.full(peaks.shape, np.nan), [""] * len(run.scenes), to_closings(layout, links["peak_v"], offsets))
+    count = len(run.scenes)
+    closings = to_closings(layout, links["peak_v"], offsets)
+    rest = Rest(np.full(peaks.shape, np.nan), [""] * count, closings, np.zeros(count))
     is_asked = np.array([scene.residual_drift for scene in run.scenes], bool) & is_done
     if not _has_memory(layout, run.scenes[0]):
         rest.drift[is_done] = 0.0
@@ -92,23 +105,90 @@ def find_rest(run: SceneRun, is_done: np.ndarray) -> Rest:
     data.run["most_steps"] = MAX_STEPS
     data.run["most_events"] = MAX_STEPS
     period = find_longest_period(layout)
+    settling = Settling(layout, peaks, max(run.accuracy, LEAST_ERROR), LONGEST_STRETCH * period)
     elapsed = 0.0
     while places.size:
         state = RestState(layout, [run.scenes[place] for place in places.tolist()], data)
-        is_at_rest = state.is_at_rest(peaks[places])
+        is_at_rest, is_sure = state.is_at_rest(peaks[places])
+        errors = np.zeros(places.size)
+        if not (is_sure | ~is_at_rest).all() and not run.method.takes_step:
+            errors = np.where(is_sure, 0.0, settling.find_errors(state, places))
+        settling.remember(state, places)
         reasons = _find_reasons(state, is_at_rest, elapsed)
+        is_over = is_at_rest & settling.is_over(places, is_at_rest, errors, elapsed)
+        is_over |= is_at_rest & (data.run["status"] != records.DONE)
         for row, place in enumerate(places.tolist()):
+            if reasons[row] and not np.isnan(rest.drift[place]).any():
+                continue  # it was at rest before, and only did not settle
             rest.reasons[place] = reasons[row]
             if is_at_rest[row] and not reasons[row]:
                 rest.drift[place] = state.drift[row, :first_link]
+                rest.error[place] = errors[row]
             closing = np.maximum(data.elements["peak_v"][row], state.drift[row])[layout.of_links]
             rest.max_closing[place] = to_closings(layout, closing, offsets[place])
-        goes_on = np.array([not (done or reason) for done, reason in zip(is_at_rest, reasons, strict=True)], bool)
+        goes_on = np.array([not (done or reason) for done, reason in zip(is_over, reasons, strict=True)], bool)
         places = places[goes_on]
         data = _copy_scenes(data, np.flatnonzero(goes_on))
         if places.size:
             elapsed += _go_on(run, data, places, period, min(period + 0.5 * elapsed, LONGEST_STRETCH * period))
     return rest
+
+
+class Settling:
+    """How the drifts at rest of scenes settle from one look to the next, where their vibration is only small.
+
+    The equilibrium of the present branches moves in step with the amplitude of what is left, or less: so there follows
+    from its change between two looks how far it still moves.
+
+    wanted : error of a drift at rest over the largest drift that is small enough [-]
+    grace : time that drifts have to settle in any case [s]
+    first_rest : when scenes first were at rest [s], inf before; shape (scenes,)
+    """
+
+    def __init__(self, layout: Layout, peaks: np.ndarray, wanted: float, grace: float) -> None:
+        """Begin with scenes at the end of their motion.
+
+        peaks : largest drift of every storey and line [m], shape (scenes, elements before the links)
+        """
+        self.wanted = wanted
+        self.grace = grace
+        is_storey = layout.elements["drifts"][: peaks.shape[1]] > 0
+        self.per_drift = np.where(is_storey, 1.0 / np.where(peaks > 0.0, peaks, math.inf), 0.0)
+        self.drift = np.full_like(peaks, math.nan)
+        self.drift_before = self.drift
+        self.amplitude = np.full((len(peaks), 1), math.nan)
+        self.first_rest = np.full(len(peaks), math.inf)
+
+    def remember(self, state: RestState, places: np.ndarray) -> None:
+        """Remember the equilibrium of the scenes at `places`, and the amplitude of what is left."""
+        self.drift_before = self.drift.copy()
+        self.drift[places] = state.drift[:, : self.drift.shape[1]]
+        self.amplitude[places] = np.sqrt(state.twice_energy)
+
+    def find_errors(self, state: RestState, places: np.ndarray) -> np.ndarray:
+        """Return the errors [-] of the drifts at rest of the scenes at `places` since the last look, shape (places,).
+
+        They are no more than how far the storeys still swing, all that is known at the first look.
+        """
+        count = self.drift.shape[1]
+        before = self.drift[places]
+        left = np.sqrt(state.twice_energy) / self.amplitude[places]
+        moved = np.fmax(np.abs(state.drift[:, :count] - before), left * np.abs(before - self.drift_before[places]))
+        still_moves = SAFETY * moved * left / np.where(left < 1.0, 1.0 - left, 0.0)
+        return (np.fmin(still_moves, state.reach[:, :count]) * self.per_drift[places]).max(axis=1, initial=0.0)
+
+    def is_over(self, places: np.ndarray, is_at_rest: np.ndarray, errors: np.ndarray, elapsed: float) -> np.ndarray:
+        """Return whether scenes at rest have settled, or had as long for that as they took to come to rest.
+
+        Parameters
+        ----------
+        places : of the scenes
+        errors : of their drifts at rest [-]
+        elapsed : time after the motion [s]
+        """
+        first_rest = np.where(is_at_rest, np.fmin(self.first_rest[places], elapsed), self.first_rest[places])
+        self.first_rest[places] = first_rest
+        return (errors <= self.wanted) | (elapsed >= np.fmin(2.0 * first_rest + self.grace, MAX_TAIL))
 
 
 def _has_memory(layout: Layout, scene: Scene) -> bool:

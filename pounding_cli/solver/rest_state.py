@@ -236,8 +236,10 @@ class RestState:
                 stored[row] += law.stored_energy(float(element["v1"] + element["offset"]), force)
         return stored
 
-    def is_at_rest(self, largest: np.ndarray) -> np.ndarray:
-        """Return whether scenes are at rest but for a vibration that moves no drift at rest.
+    def is_at_rest(self, largest: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return whether scenes are at rest but for a vibration that moves no drift at rest, and whether that is sure.
+
+        It is where no element can leave its branch, and not where the vibration is only small.
 
         largest : largest drift of every storey and frame line [m], shape (scenes, elements before the links)
         """
@@ -253,7 +255,8 @@ class RestState:
         is_still = (self.reach[:, storeys] <= STILL * scale).all(axis=1)
         friction = np.where(self.is_held, elements["p"][:, :n, FRICTION], math.inf)
         holds = (np.abs(self.drive) + self.drive_reach < friction).all(axis=1)
-        return self.is_stable & fits.all(axis=1) & holds & ((is_open | stays).all(axis=1) | is_still)
+        is_sure = (is_open | stays).all(axis=1)
+        return self.is_stable & fits.all(axis=1) & holds & (is_sure | is_still), is_sure
 
     def is_undamped(self) -> np.ndarray:
         """Return whether a mode of the buildings has no damping, neither of theirs nor of links; shape (scenes,)."""

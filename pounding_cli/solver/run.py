@@ -29,6 +29,13 @@ STANDSTILL = 1e-15
 MIN_RATIO = 1e-25
 """Part of a step to which series are never shortened: their numbers are not finite."""
 
+HASTE = 1e-2
+"""Part of a step [-] within which an event comes in haste. The motion is one polynomial over the whole step, so that it
+explains few such events in a row: between two blows there is a step of the contact, as long as its period asks for."""
+
+MAX_IN_HASTE_AN_ELEMENT = 1000
+"""Events in haste, in a row, an element, after which a run has stalled: fifty is the most that was seen."""
+
 MAX_AT_INSTANT = 20
 """Events at one instant after which a run has stalled: so many, and those an element that it has."""
 
@@ -116,9 +123,14 @@ def count_step(run, has_event):
     run.orders += run.order
     if run.end > STANDSTILL:
         run.instant = 0
+    if run.end > HASTE:
+        run.hasty = 0
     if has_event:
         run.instant += 1
+        run.hasty += 1
         if run.instant > MAX_AT_INSTANT + MAX_AT_INSTANT_AN_ELEMENT * run.m:
+            run.status = STALLED
+        if run.hasty > MAX_IN_HASTE_AN_ELEMENT * run.m:
             run.status = STALLED
     if run.steps > run.most_steps:
         run.status = STEP_BOUND

@@ -21,7 +21,7 @@ from pounding_cli.model.links import Link
 from pounding_cli.model.parts import divide_scene
 from pounding_cli.model.scene import Scene
 from pounding_cli.solver import outcome, records
-from pounding_cli.solver.assemble import MAX_EVENTS, MAX_STEPS, InitialState, build_records
+from pounding_cli.solver.assemble import MAX_EVENTS, MAX_STEPS, Bounds, InitialState, build_records
 from pounding_cli.solver.balance import balance_energies, compute_energy_of_lines, compute_energy_of_storeys
 from pounding_cli.solver.flags import build_collapse_flag, list_flags
 from pounding_cli.solver.kernels import FIXED_STEP_KERNEL, FOLDER, IS_INTERPRETED, find_kernel, mark_compiled
@@ -39,7 +39,7 @@ def solve(
     accuracy: float = 1e-6,
     method: str = "taylor",
     initial: InitialState | None = None,
-    bounds: tuple[int, int] = (MAX_STEPS, MAX_EVENTS),
+    bounds: Bounds = (MAX_STEPS, MAX_EVENTS),
     *,
     time_step: float | None = None,
     least_steps: int = 1,
@@ -75,9 +75,14 @@ def solve(
 
 
 def solve_all(
-    scenes: Sequence[Scene], accuracy: float = 1e-6, method: str = "taylor", *, time_step: float | None = None
+    scenes: Sequence[Scene],
+    accuracy: float = 1e-6,
+    method: str = "taylor",
+    *,
+    time_step: float | None = None,
+    bounds: Sequence[Bounds] | None = None,
 ) -> list[Response]:
-    """Return the responses of scenes in their order, each as by `solve`.
+    """Return the responses of scenes in their order, each as by `solve`, with bounds of its own.
 
     Scenes of one layout are run by one call that lets other threads go on, and share its time by their steps.
 
@@ -85,17 +90,27 @@ def solve_all(
     ------
     InputError : as `solve`
     """
+    if bounds is None:
+        bounds = [(MAX_STEPS, MAX_EVENTS)] * len(scenes)
     numbers_by_layout = dict[Layout, list[int]]()
     responses = dict[int, Response]()
     for number, scene in enumerate(scenes):
         parts = divide_scene(scene)
         if parts:
-            of_parts = solve_all([each.scene for each in parts], accuracy, method, time_step=time_step)
+            of_parts = solve_all(
+                [each.scene for each in parts],
+                accuracy,
+                method,
+                time_step=time_step,
+                bounds=[bounds[number]] * len(parts),
+            )
             responses[number] = join_responses(scene, parts, of_parts)
         else:
             numbers_by_layout.setdefault(build_layout(scene), []).append(number)
     for numbers in numbers_by_layout.values():
-        run = prepare_run([scenes[number] for number in numbers], accuracy, method, time_step=time_step)
+        group = [scenes[number] for number in numbers]
+        most = [bounds[number] for number in numbers]
+        run = prepare_run(group, accuracy, method, bounds=most, time_step=time_step)
         run.integrate()
         responses |= zip(numbers, run.build_responses(), strict=True)
     return [responses[number] for number in range(len(scenes))]
@@ -188,6 +203,7 @@ class SceneRun:
             response = self._build_response(number, end, peaks[number], energy)
             if rest.reasons[number]:
                 response = replace(response, flags=(*response.flags, Flag(NO_RESIDUAL_DRIFT, rest.reasons[number])))
+            response = replace(response, rest_error=float(rest.error[number]))
             responses.append(replace(response, closing_to_rest=rest.max_closing[number]))
         return responses
 
@@ -256,7 +272,7 @@ def prepare_run(
     accuracy: float = 1e-6,
     method: str = "taylor",
     initial: InitialState | None = None,
-    bounds: tuple[int, int] = (MAX_STEPS, MAX_EVENTS),
+    bounds: Bounds | Sequence[Bounds] = (MAX_STEPS, MAX_EVENTS),
     *,
     time_step: float | None = None,
     times: np.ndarray | None = None,
@@ -266,6 +282,7 @@ def prepare_run(
 
     Parameters
     ----------
+    bounds : of all scenes, or of each
     times : output times at which the motion of the one scene is kept [s]
     """
     resolved_method = get_method(method)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import pounding_cli as pound
-from tests.adapter import Scene, difference, scenes, solve
+from tests.adapter import Scene, difference, events_until_stalled, scenes, solve
 
 from .catalogue import expectation_of
 from .random_scenes import random_cut_infill, random_touch
@@ -112,6 +112,13 @@ def test_random_cut_infills(number: int) -> None:
     assert_methods_agree(scene, accuracy, BOUND)
     kept = pound.history(scene.built, every=0.25 * scene.dt, accuracy=accuracy)
     assert kept.link_force.min() >= -1e-9 * np.abs(kept.link_force).max()
+
+
+def test_a_run_that_does_not_get_on_ends() -> None:
+    """Events in a row, each a billionth or a tenth of its step behind the one before. Fails if a run goes on with the
+    first, or is stopped for the second, as contacts may have them."""
+    assert 1000 <= events_until_stalled(10, 1e-9, 20_000) < 20_000
+    assert events_until_stalled(10, 0.1, 20_000) == 20_000
 
 
 @pytest.mark.parametrize("number", [0, 1])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,7 @@ import numpy as np
 import pytest
 
 import pounding_cli as pound
-from tests.adapter import Run, Scene, solve
+from tests.adapter import Run, Scene, solve, solve_whole
 from tests.physics.cases import CAPPED, IMPACT, PINCHED, shake
 
 STOREYS = (2, 3)
@@ -171,3 +172,34 @@ def test_a_building_that_falls_without_end() -> None:
     run = solve(Scene((storey, storey), np.zeros(1501), 0.02, case, "inelastic", start=start))
     assert run.status == "done"
     assert "no residual drift: the free vibration after the motion could not be solved" in run.flags
+
+
+@pytest.mark.parametrize("damping", [0.05, 0.005])
+@pytest.mark.parametrize("law", ["peak-oriented", "imk", "pinching", "bouc-wen"])
+def test_a_neighbour_that_is_never_touched_moves_no_drift_at_rest(law: str, damping: float) -> None:
+    """The same building beside three others, which come to rest sooner or later, 2 m away. Fails if its drifts at rest
+    hang on when the other is at rest, by more than the error tells."""
+    first = house(0.5, 2, 0.15, **LAWS[law] | {"damping": damping})
+    others = house(0.9, 3, 0.12, damping=0.05), house(1.7, 3, 0.05, damping=0.05), house(0.3, 1, 0.3, damping=0.05)
+    found, errors = [], []
+    for other in others:
+        keys = {"analysis": "inelastic", "more": {"impact": IMPACT}}
+        scene = Scene((first, other), shake(5.0, 3.0, seed=3), 0.02, {"link": "pounding", "gap": 2.0}, **keys)
+        run = solve_whole(scene)
+        found.append(run.buildings[0].residual_drift / run.buildings[0].drift)
+        errors.append(run.rest_error)
+    spread = float(np.ptp(found, axis=0).max())
+    assert 0.0 < max(errors) <= 1e-6
+    assert spread <= 2.0 * max(errors)
+
+
+def test_the_error_covers_drifts_that_have_not_settled() -> None:
+    """A Bouc-Wen storey that is hardly damped, after its motion and after 100 s more, at an accuracy that its drift at
+    rest does not reach. Fails if the estimates pass over what both have not waited for."""
+    tower = house(0.5, 2, 0.15, storey_law="bouc-wen", damping=0.005)
+    scene = Scene((tower,), shake(5.0, 3.0, seed=3), 0.02, analysis="inelastic")
+    first, second = (solve(each, 1e-9, estimate=True) for each in (scene, replace(scene, tail=100.0)))
+    change = np.abs((first.residual_drift - second.residual_drift) / first.drift).max()
+    assert 1e-8 < change <= first.error + second.error
+    for run in (first, second):
+        assert any("less accurate than asked" in flag for flag in run.flags)
