@@ -34,8 +34,8 @@ METHODS = {
     "newmark": {"method": "newmark", "time_step": 1e-3},
 }
 MAIN = "from pounding_cli.cli.main import main; main()"
-SOON = 2.0
-"""Time in which whatever was asked to stop has ended [s]."""
+SOON = 5.0
+"""Time in which whatever was asked to stop has ended [s]: a third of a second where nothing else runs; other tests may."""
 
 
 @pytest.fixture(scope="module")
