@@ -35,7 +35,7 @@ METHODS = {
 }
 MAIN = "from pounding_cli.cli.main import main; main()"
 SOON = 5.0
-"""Time in which whatever was asked to stop has ended [s]: a third of a second where nothing else runs; other tests may."""
+"""Time in which whatever was asked to stop has ended [s]: a third of a second where no other test runs."""
 
 
 @pytest.fixture(scope="module")
