@@ -16,6 +16,7 @@ from pounding_cli.batch.pool import open_pool, stop_executor
 from pounding_cli.signals import take_signals
 from pounding_cli.solver.solve import solve
 from tests.adapter import scenes
+from tests.warm import all_of
 
 ENDLESS = """\
 title: Two high buildings, under a motion of hours
@@ -40,6 +41,8 @@ SOON = 5.0
 
 @pytest.fixture(scope="module")
 def endless(tmp_path_factory) -> pound.Scene:
+    """A scene that is not done in minutes; its kernels are compiled first, as nothing stops the compiler."""
+    all_of(("taylor", "smooth", "fixed steps"))
     study = tmp_path_factory.mktemp("endless") / "study.yaml"
     study.write_text(ENDLESS)
     return next(scene for _, scene, _ in scenes(study) if scene.links)
