@@ -12,7 +12,7 @@ from pounding_cli.numbers import Unit
 from pounding_cli.results.arrays import ResultArrays
 from pounding_cli.results.columns import column_of
 from pounding_cli.results.dataset import find_contacts
-from pounding_cli.study.expression import CONTACT_QUANTITIES, QUANTITIES, Expression
+from pounding_cli.study.expression import CONTACT_QUANTITIES, QUANTITIES, TableQuantity
 from pounding_cli.study.plan import Plan
 from pounding_cli.variables import RESPONSE_VARIABLES, VARIABLES
 
@@ -52,14 +52,14 @@ def find_struck_buildings(
     )
 
 
-def depends_on_contact(expression: Expression, struck: frozenset[int]) -> bool:
-    """Return whether an expression has a quantity that depends on the contact stiffness, where some buildings strike.
+def depends_on_contact(quantities: Sequence[TableQuantity], struck: frozenset[int]) -> bool:
+    """Return whether a quantity of an expression depends on the contact stiffness, where some buildings strike.
 
     struck : places of these buildings, as `find_struck_buildings`
     """
     return any(
         part.name in CONTACT_QUANTITIES and (bool(struck) if part.building is None else part.building in struck)
-        for part in expression.quantities
+        for part in quantities
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -75,6 +75,23 @@ class Axis:
         """Return the values at a point in words."""
         values = self.written_values[place]
         return ", ".join(f"{name} = {value}" for name, value in zip(self.names, values, strict=True))
+
+    def find_places(self, asked: Mapping[str, str]) -> list[int]:
+        """Return the places on the axis at which some of its keys have values.
+
+        asked : values as people write them, by key
+        """
+        at = list(range(len(self)))
+        for key, text in asked.items():
+            number = self.names.index(key)
+            wanted = {" ".join(text.split()), value_at(self.model, tuple(self.paths[number]), text)}
+            at = [
+                place
+                for place in at
+                if " ".join(str(self.written_values[place][number]).split()) in wanted
+                or self.values[place][number] in wanted
+            ]
+        return at
 
     @cached_property
     def values(self) -> tuple[tuple[float | str, ...], ...]:

@@ -1,5 +1,5 @@
-"""Expressions over the tables, `largest mu in soft` or `max(V_ratio in stiff, mu0)`; statements, which compare one with
-a value, `mean V_ratio in stiff > 1.1`; limits: `drift > 2 %`, `acceleration > 1 g in soft floor 5`, `contact`.
+"""Expressions over the tables, `largest mu in soft` or `mean V_ratio in infill stiff storey 2`; limits of fragility,
+`drift > 2 %`, `acceleration > 1 g in soft floor 5`, `contact`.
 
 Quantities are read first, each with its place; what is left is arithmetic, which Python parses and nothing runs."""
 
@@ -16,10 +16,12 @@ from pydantic_core import PydanticCustomError
 
 from pounding_cli import variables
 from pounding_cli.model.archetypes import DAMAGE_STATES
+from pounding_cli.study.axes import Axis
 from pounding_cli.study.file import nearest
-from pounding_cli.study.quantity import ACCELERATION, LENGTH, Quantity, refuse, written_unit
+from pounding_cli.study.quantity import ACCELERATION, LENGTH, TIME, Quantity, refuse, written_unit
 
 SHEAR_DEMAND = "shear_demand"
+INSTANT_TIME = TIME.replace(name="time", example="1.1 s", low=0.0, open_low=False)
 
 
 def _find_units(dims: tuple[str, ...]) -> dict[str, str]:
@@ -38,7 +40,36 @@ LINK = _find_units(variables.LINK_DIMS)
 LINE = _find_units(variables.LINE_DIMS)
 """Quantities of frame lines by the names of their variables, `line_mu`; people write `mu in line 1 of NAME`."""
 
-QUANTITIES = STOREY | FLOOR | LINK
+FACTS = {
+    variable.name: variable.unit.removeprefix("1")
+    for variable in (*variables.LINK_VARIABLES, *variables.BUILDING_VARIABLES)
+    if variable.kind == "f" and variable.dims in (("case", "link"), ("building",), ("building", "storey"))
+}
+"""Numbers of links and buildings that no motion changes."""
+
+LINK_FACTS = tuple(variable.name for variable in variables.LINK_VARIABLES if variable.kind == "f")
+
+OF_MOTIONS = {
+    variable.name.removeprefix("record_"): variable.unit.removeprefix("1")
+    for variable in variables.RECORD_VARIABLES
+    if variable.kind == "f"
+}
+"""Numbers of motions, by the names that their table has."""
+
+OF_SCENES = {
+    variable.name: variable.unit.removeprefix("1")
+    for variable in variables.SCENE_VARIABLES
+    if variable.kind in "fi" and variable.name not in ("seconds", "orders")
+} | _find_units(variables.BUILDING_DIMS)
+"""Numbers of whole time histories, and of whole buildings in them."""
+
+HISTORY = {
+    "time": "s", "displacement": "m", "velocity": "m/s", "total_acceleration": "m/s2", "drift": "m", "shear": "N",
+    "twist": "rad", "sway": "m", "closing": "m", "link_force": "N",
+}  # fmt: skip
+"""Quantities that an expression may name at an instant, `displacement in mass [1.1 s]`."""
+
+QUANTITIES = STOREY | FLOOR | LINK | FACTS | OF_MOTIONS | OF_SCENES
 """SI unit of every quantity that an expression may name, by its name in the tables."""
 
 CONTACT_QUANTITIES = ("acceleration", "acceleration_ratio", "peak_force", "contact_time")
@@ -70,22 +101,75 @@ _SIGNS: Mapping[type[ast.operator], Callable[..., np.ndarray]] = {
     ast.Add: np.add, ast.Sub: np.subtract, ast.Mult: np.multiply, ast.Div: np.divide,
 }  # fmt: skip
 _KEEP_UNIT = (ast.Add, ast.Sub, "max", "min", "abs")
+_PLACE_WORDS = r"line\s+[0-9]{{1,3}}\s+of\b|storey\s+[0-9]{{1,3}}\b|floor\s+[0-9]{{1,3}}\b|{roles}"
 _PHRASE = (
-    r"(?<![\w.])(?:(?P<how>largest|smallest|mean)\s+)?(?P<name>[^\W\d]\w*)"
-    r"(?P<in>\s+in\b(?:\s+line\s+(?P<line>[0-9]{{1,3}})\s+of\b)?(?:\s+(?P<building>{buildings})(?!\w))?"
-    r"(?:\s+(?P<kind>storey|floor)\s+(?P<level>[0-9]{{1,3}}))?)?"
+    r"(?<![\w.])(?:(?P<over>largest|smallest|mean)\s+(?=(?:largest|smallest|mean)\b))?"
+    r"(?:(?P<how>largest|smallest|mean)\s+)?(?P<name>[^\W\d]\w*)"
+    r"(?P<in>\s+in\b(?P<places>(?:\s+(?:{places}))*))?(?:\s*\[(?P<where>[^\[\]]*)\])?"
 )
+STIFFEST, SOFTER = "stiffest building", "softer buildings"
+"""The building of the group with the shortest period on a fixed base, of several the first; all with a longer one."""
+
+SAME_PERIOD = 1.0 + 1e-9
+"""A period within this factor of the shortest is as short [-]."""
+
+_KINDS = ("building", "case", "analysis", "motion", "law")
+
+
+@dataclass(frozen=True)
+class Scope:
+    """What expressions of a study may name.
+
+    buildings : names of the group by place, left to right
+    cases, analyses, motions, laws : names; none where an expression is about each of them
+    axes : of the sweep, at whose points a quantity may be asked for
+    """
+
+    buildings: tuple[str, ...]
+    cases: tuple[str, ...] = ()
+    analyses: tuple[str, ...] = ()
+    motions: tuple[str, ...] = ()
+    laws: tuple[str, ...] = ()
+    axes: tuple[Axis, ...] = ()
+
+    @property
+    def names(self) -> dict[str, tuple[str, ...]]:
+        """The names of every kind, in the order of _KINDS."""
+        kinds = (self.buildings, self.cases, self.analyses, self.motions, self.laws)
+        return dict(zip(_KINDS, kinds, strict=True))
+
+
+@dataclass(frozen=True)
+class Instant:
+    """An instant of a time history.
+
+    kind : `time`; `contact` or `release`, when the floors meet or part; `largest` or `smallest` of a quantity
+    number : of the contact from 1, from the last one back below 0
+    quantity : of HISTORY, of `largest` and `smallest`
+    delay : after it [s]
+    """
+
+    kind: str
+    number: int = 0
+    quantity: str = ""
+    delay: float = 0.0
 
 
 @dataclass(frozen=True)
 class TableQuantity:
     """One number of the tables.
 
-    name : of QUANTITIES, or of LINE
+    name : of QUANTITIES, or of LINE; of HISTORY at an instant
     reduction : of REDUCTIONS, over storeys, floors or links and, where none is named, over buildings
     building : its place in the group from 0; None for all
     level : storey or floor from 1; 0 for all
     line : frame line of the building, from 1, of a quantity of LINE; 0 of others
+    over_buildings : reduction over buildings where it is another one than that over their storeys; "" of others
+    role : STIFFEST or SOFTER in place of a building; "" of others
+    case, analysis, motion : its place from 0; None for each
+    law : of the links; "" for all
+    point : numbers of axes of the sweep with its place on each
+    instant : None of a peak
     """
 
     name: str
@@ -93,6 +177,19 @@ class TableQuantity:
     building: int | None = None
     level: int = 0
     line: int = 0
+    over_buildings: str = ""
+    role: str = ""
+    case: int | None = None
+    analysis: int | None = None
+    motion: int | None = None
+    law: str = ""
+    point: tuple[tuple[int, int], ...] = ()
+    instant: Instant | None = None
+
+    @property
+    def is_of_links(self) -> bool:
+        """Whether it belongs to links, and not to buildings."""
+        return self.name in LINK or self.name in LINK_FACTS
 
 
 Value = Callable[[TableQuantity], np.ndarray]
@@ -126,107 +223,262 @@ class ExpressionError(ValueError):
     """A fault in an expression; the second argument says what to write."""
 
 
-def parse_expression(text: str, buildings: Sequence[str]) -> Expression:
+def parse_expression(text: str, scope: Scope) -> Expression:
     """Return an expression over the tables of a study.
-
-    buildings : names of the group by place, left to right
 
     Raises
     ------
     ExpressionError : what is wrong, and what to write
     """
+    hint = expression_hint(scope.buildings)
     if len(text) > MAX_LENGTH:
-        raise ExpressionError(f"{len(text)} characters are not an expression", expression_hint(buildings))
+        raise ExpressionError(f"{len(text)} characters are not an expression", hint)
     text = " ".join(text.split())
     quantities: list[TableQuantity] = []
-    names = "|".join(map(re.escape, sorted(buildings, key=len, reverse=True)))
 
     def replace_phrase(match: re.Match[str]) -> str:
         """Return a name, `_0`, `_1`, in place of a quantity."""
         if match["name"] in _FUNCTIONS and match["how"] is None:
             return match[0]
         try:
-            quantities.append(_parse_quantity(match, buildings))
+            quantities.append(_parse_quantity(match, scope))
         except ExpressionError as error:
             raise ExpressionError(f"'{text}': {error.args[0]}", error.args[1]) from None
         return f"_{len(quantities) - 1}"
 
-    arithmetic = re.sub(_PHRASE.format(buildings=names), replace_phrase, text)
+    arithmetic = re.sub(_PHRASE.format(places=_place_pattern(scope)), replace_phrase, text)
     try:
         unit, work = _compile_node(ast.parse(arithmetic.strip(), mode="eval").body, quantities)
     except ExpressionError as error:
-        raise ExpressionError(f"'{text}': {error}", expression_hint(buildings)) from None
+        raise ExpressionError(f"'{text}': {error}", hint) from None
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         message = "this is not arithmetic with the numbers of the tables"
         if arithmetic.count("(") > arithmetic.count(")"):
             message = "a bracket is not closed"
-        raise ExpressionError(f"'{text}': {message}", expression_hint(buildings)) from None
+        raise ExpressionError(f"'{text}': {message}", hint) from None
     if not quantities or "#" in arithmetic:
-        raise ExpressionError(f"'{text}': it takes nothing from the tables", expression_hint(buildings))
+        raise ExpressionError(f"'{text}': it takes nothing from the tables", hint)
     return Expression(text, unit, tuple(quantities), work)
 
 
-def _parse_quantity(match: re.Match[str], buildings: Sequence[str]) -> TableQuantity:
+def _place_pattern(scope: Scope) -> str:
+    """Return the pattern of one place of a quantity."""
+    names = sorted({name for names in scope.names.values() for name in names}, key=len, reverse=True)
+    either = "|".join(map(re.escape, names))
+    words = _PLACE_WORDS.format(roles="|".join((STIFFEST, SOFTER)))
+    return rf"{words}|(?:(?:{'|'.join(_KINDS)})\s+)?(?:{either})(?![\w-])"
+
+
+def _parse_quantity(match: re.Match[str], scope: Scope) -> TableQuantity:
     """Return the quantity of a phrase such as `mean mu in soft storey 2`.  Raises ExpressionError."""
     name = match["name"]
-    building = match["building"]
-    level = 0
+    buildings = scope.buildings
     if name == "line":
         raise ExpressionError("a frame line stands before its building", f"write e.g. `mu in line 1 of {buildings[0]}`")
     if name in LINE:
         of_storey = name.removeprefix("line_")
         raise ExpressionError(f"{name} belongs to a frame line", f"write `{of_storey} in line 1 of {buildings[0]}`")
-    if name not in QUANTITIES:
-        raise ExpressionError(f"no quantity '{name}' is known", nearest(name, (*QUANTITIES, *_FUNCTIONS)))
-    if match["in"] is not None:
-        if name in LINK:
+    point, instant = _parse_where(match["where"], scope)
+    known = QUANTITIES if instant is None else HISTORY
+    if name not in known:
+        if name in HISTORY and scope.cases:
+            hint = f"write e.g. `{name} [1.1 s]` or `{name} [contact 1]`"
+            raise ExpressionError(f"{name} is a number of an instant", hint)
+        kind = "quantity" if instant is None else "quantity over time"
+        raise ExpressionError(f"no {kind} '{name}' is known", nearest(name, (*known, *_FUNCTIONS)))
+    place = _parse_places(match, name, scope)
+    names = [each.removeprefix("line_") for each in LINE]
+    line = _check_line(place.line, name, names)
+    of_line = f"line_{name}" if line else name
+    level = 0
+    if place.level:
+        owners = FLOOR if instant is None else _OF_FLOORS
+        level = _check_level(place.level, name in owners, name)
+    quantity = TableQuantity(
+        of_line, match["how"] or REDUCTIONS[0], place.building, level, line, match["over"] or "", place.role,
+        place.case, place.analysis, place.motion, place.law, point, instant,
+    )  # fmt: skip
+    if quantity.over_buildings and (name not in (*STOREY, *FLOOR) or quantity.building is not None):
+        raise ExpressionError(
+            f"'{match['over']} {match['how']}' is of the buildings, then of their storeys", "write one of the two"
+        )
+    return quantity
+
+
+@dataclass
+class _Places:
+    """The places of a phrase, as it names them."""
+
+    building: int | None = None
+    case: int | None = None
+    analysis: int | None = None
+    motion: int | None = None
+    law: str = ""
+    role: str = ""
+    level: str = ""
+    line: str | None = None
+
+
+def _parse_places(match: re.Match[str], name: str, scope: Scope) -> _Places:
+    """Return the places behind `in` of a phrase.  Raises ExpressionError."""
+    places = _Places()
+    if match["in"] is None:
+        return places
+    buildings = scope.buildings
+    written = [each[1] for each in re.finditer(rf"\s+({_place_pattern(scope)})", match["places"])]
+    unknown = re.split(r"[-+*/(),<>=\[]", match.string[match.end("places") :])[0].strip()[:40]
+    is_link = name in (*LINK, *LINK_FACTS)
+    of_line = bool(written) and written[-1].startswith("line ")  # no building stands behind it
+    if not written or of_line:
+        if is_link and not scope.cases:
             raise ExpressionError(f"{name} belongs to links, not to a building", f"write `{name}`: of all links")
-        if building is None and (match["kind"] is None or match["line"] is not None):
-            unknown = re.split(r"[-+*/(),]", match.string[match.end() :])[0].strip()[:40]
-            if re.match(r"line\s+[0-9]", unknown):
-                raise ExpressionError(f"{unknown} of which building?", _hint_of_line(name, match, buildings))
-            raise ExpressionError(f"no building '{unknown}' in the group", nearest(unknown, buildings))
-        level = _parse_level(match, name in FLOOR, name)
-    place = None if building is None else buildings.index(building)
-    line = _parse_line(match, name, [each.removeprefix("line_") for each in LINE])
-    return TableQuantity(f"line_{name}" if line else name, match["how"] or REDUCTIONS[0], place, level, line)
+        asked = re.match(r"line\s+([0-9]+)", unknown) or (None if unknown else re.match(r"line\s+([0-9]+)", written[-1]))
+        if asked is not None:
+            hint = f"write `{name} in line {asked[1]} of {buildings[0]}`"
+            raise ExpressionError(f"line {asked[1]} of which building?", hint)
+        every = {kind: names for kind, names in scope.names.items() if names}
+        kinds = " or ".join(every)
+        raise ExpressionError(
+            f"no {kinds} '{unknown}' in the {'group' if len(every) == 1 else 'study'}",
+            nearest(unknown, [each for names in every.values() for each in names]),
+        )
+    for each in written:
+        _take_place(places, each, scope)
+    if is_link and (places.building is not None or places.role):
+        raise ExpressionError(f"{name} belongs to links, not to a building", f"write `{name}`: of all links")
+    if places.line is not None and places.building is None:
+        raise ExpressionError(
+            f"line {places.line} of which building?", f"write `{name} in line {places.line} of {buildings[0]}`"
+        )
+    return places
 
 
-def _parse_line(match: re.Match[str], name: str, of_lines: Sequence[str]) -> int:
+def _take_place(places: _Places, written: str, scope: Scope) -> None:
+    """Add one place of a phrase to those before it.  Raises ExpressionError."""
+    first, _, rest = written.partition(" ")
+    if first == "line":
+        places.line = rest.split()[0]
+    elif first in ("storey", "floor") and rest.isdigit():
+        places.level = written
+    elif written in (STIFFEST, SOFTER):
+        places.role = written
+    else:
+        kinds = [kind for kind in _KINDS if written in scope.names[kind]]
+        if not kinds and first in _KINDS:
+            kinds, written = [first], rest
+        if len(kinds) > 1:
+            said = " and ".join(f"a {kind}" for kind in kinds)
+            raise ExpressionError(f"'{written}' is {said}", f"write `{kinds[0]} {written}` or `{kinds[1]} {written}`")
+        kind = kinds[0]
+        if written not in scope.names[kind]:
+            raise ExpressionError(f"no {kind} '{written}' in the study", nearest(written, scope.names[kind]))
+        if getattr(places, kind) not in (None, ""):
+            raise ExpressionError(f"'{written}' is a second {kind}", f"write one {kind}")
+        setattr(places, kind, written if kind == "law" else scope.names[kind].index(written))
+
+
+_INSTANT = re.compile(
+    r"(?:(?P<time>\S+ ?[A-Za-zµ]+)(?:\s+(?P<side>after|before)\s+|\Z))?"
+    r"(?:(?P<kind>contact|release)\s+(?P<number>-?[1-9][0-9]*)|(?P<most>largest|smallest)\s+(?P<quantity>\w+))?\Z"
+)
+_INSTANT_HINT = "write e.g. `[1.1 s]`, `[contact 1]`, `[release 1]`, `[0.2 ms after contact 1]` or `[largest closing]`"
+_OF_FLOORS = ("displacement", "velocity", "total_acceleration", "twist")
+
+
+def _parse_where(text: str | None, scope: Scope) -> tuple[tuple[tuple[int, int], ...], Instant | None]:
+    """Return the point of the sweep and the instant in the brackets of a phrase.  Raises ExpressionError."""
+    written: dict[str, str] = {}
+    instant = None
+    for part in [] if text is None else text.split(","):
+        key, sign, value = (each.strip() for each in part.partition("="))
+        if sign:
+            written[key] = value
+        elif instant is None:
+            instant = _parse_instant(key)
+        else:
+            raise ExpressionError(f"[{text}] has two instants", "write one")
+    return find_point(written, scope.axes), instant
+
+
+def find_point(written: Mapping[str, str], axes: Sequence[Axis]) -> tuple[tuple[int, int], ...]:
+    """Return the numbers of the axes of some swept keys, with the place of their values on each.
+
+    written : values as people write them, by key
+
+    Raises
+    ------
+    ExpressionError : a key is not swept, or does not take the value, or takes it more than once
+    """
+    point = []
+    for number, axis in enumerate(axes):
+        asked = {key: value for key, value in written.items() if key in axis.names}
+        if not asked:
+            continue
+        at = axis.find_places(asked)
+        said = ", ".join(f"{key} = {value}" for key, value in asked.items())
+        if len(at) != 1:
+            points = [axis.format_point(place) for place in (at or range(len(axis)))]
+            message = f"the sweep has {len(at)} points with {said}" if at else f"the sweep has no point with {said}"
+            raise ExpressionError(message, f"it has: {'; '.join(points)[:300]}")
+        point.append((number, at[0]))
+    known = [name for axis in axes for name in axis.names]
+    for key in written:
+        if key not in known:
+            raise ExpressionError(f"'{key}' is not swept", nearest(key, known))
+    return tuple(point)
+
+
+def _parse_instant(text: str) -> Instant:
+    """Return an instant as people write it.  Raises ExpressionError."""
+    match = _INSTANT.match(text)
+    if match is None or not text or (match["side"] and not (match["kind"] or match["most"])):
+        raise ExpressionError(f"[{text}] is not an instant", _INSTANT_HINT)
+    delay = 0.0
+    if match["time"]:
+        try:
+            delay = float(INSTANT_TIME.read(match["time"]))
+        except PydanticCustomError:
+            raise ExpressionError(f"[{text}]: '{match['time']}' is not a time", _INSTANT_HINT) from None
+        delay = -delay if match["side"] == "before" else delay
+    if match["most"]:
+        if match["quantity"] not in HISTORY or match["quantity"] == "time":
+            message = f"[{text}]: no quantity '{match['quantity']}' over time"
+            raise ExpressionError(message, nearest(match["quantity"], HISTORY))
+        return Instant(match["most"], 0, match["quantity"], delay)
+    if match["kind"]:
+        return Instant(match["kind"], int(match["number"]), "", delay)
+    return Instant("time", 0, "", delay)
+
+
+def _check_line(number: str | None, name: str, of_lines: Sequence[str]) -> int:
     """Return the number of the frame line of a quantity or limit, from 1; 0 where it names none.  Raises
     ExpressionError: lines do not have the quantity, or there is no line 0.
 
     of_lines : quantities that lines have
     """
-    if match["line"] is None:
+    if number is None:
         return 0
     if name not in of_lines:
         hint = f"write one of {', '.join(of_lines)}, or leave the line out"
         raise ExpressionError(f"frame lines have no {name}", hint)
-    if int(match["line"]) < 1:
+    if int(number) < 1:
         raise ExpressionError("there is no line 0", "the first is `line 1`, as the plan lists them")
-    return int(match["line"])
+    return int(number)
 
 
-def _hint_of_line(name: str, match: re.Match[str], buildings: Sequence[str]) -> str:
-    """Return how a quantity of a frame line is written."""
-    number = re.search("[0-9]+", match.string[match.end() :])
-    return f"write `{name} in line {number[0] if number else 1} of {buildings[0]}`"
+def _check_level(written: str, is_of_floors: bool, owner: str) -> int:
+    """Return the number of a storey or floor.  Raises ExpressionError: it is the other of the two, or 0.
 
-
-def _parse_level(match: re.Match[str], is_of_floors: bool, owner: str) -> int:
-    """Return the number of a storey or floor; 0 for all.  Raises ExpressionError: it is the other of the two, or 0.
-
+    written : e.g. `storey 2`
     owner : quantity of the storey or floor, in words
     """
-    if match["kind"] is None:
-        return 0
+    word, number = written.split()
     kind = "floor" if is_of_floors else "storey"
-    if match["kind"] != kind:
-        raise ExpressionError(f"{owner} belongs to a {kind}", f"write `{kind} {match['level']}`")
-    if int(match["level"]) < 1:
+    if word != kind:
+        raise ExpressionError(f"{owner} belongs to a {kind}", f"write `{kind} {number}`")
+    if int(number) < 1:
         raise ExpressionError(f"there is no {kind} 0", f"the lowest is `{kind} 1`")
-    return int(match["level"])
+    return int(number)
 
 
 def _compile_node(node: ast.expr, quantities: Sequence[TableQuantity]) -> tuple[str, Work]:
@@ -236,7 +488,8 @@ def _compile_node(node: ast.expr, quantities: Sequence[TableQuantity]) -> tuple[
             return "", lambda value: np.asarray(float(number))
         case ast.Name(id=name) if name not in _FUNCTIONS:
             quantity = quantities[int(name[1:])]
-            return {**QUANTITIES, **LINE}[quantity.name], lambda value: value(quantity)
+            known = {**QUANTITIES, **LINE} if quantity.instant is None else HISTORY
+            return known[quantity.name], lambda value: value(quantity)
         case ast.UnaryOp(op=ast.USub(), operand=inner):
             unit, work = _compile_node(inner, quantities)
             return unit, lambda value: -work(value)
@@ -279,58 +532,121 @@ def statement_hint(buildings: Sequence[str]) -> str:
     return f"write e.g. `mu > 4`, `drift in {buildings[-1]} > 2 cm` or `mean V_ratio in {buildings[0]} < 1.1`"
 
 
-_STATEMENT = re.compile(r"(?P<expression>[^<>=]+)(?P<sign>[<>])(?P<value>[^<>=]*)\Z")
+_SIGN = re.compile(r"\s*(<=|>=|<|>)\s*")
 _BEHIND = re.compile(r"(?P<value>.*\S)\s+in\s+(?P<place>\S.*)")
 """A value with a place behind it, as limits have it."""
+_NAMES = re.compile(r"[^\W\d]\w*")
 _VALUES = {"": "4", "m": "2 cm", "m/s2": "1 g", "N": "500 kN", "s": "0.1 s", "N s": "20 kN s", "rad": "0.01 rad"}
 
 
 @dataclass(frozen=True)
 class Statement:
-    """A statement that an expression lies above or below a value.
+    """A statement that expressions and values lie above or below one another: `mu > 4`, `0 < a / b - 1 < 15 %`.
 
     text : as people read it
-    is_above : above; below otherwise
-    value : in the unit of the expression, SI
+    parts : expressions and values [SI], left to right
+    signs : between them: <, >, <= or >=
     """
 
     text: str
-    expression: Expression
-    is_above: bool
-    value: float
+    parts: tuple[Expression | float, ...]
+    signs: tuple[str, ...]
+
+    @property
+    def expressions(self) -> tuple[Expression, ...]:
+        """The expressions among its parts."""
+        return tuple(part for part in self.parts if isinstance(part, Expression))
 
     @property
     def quantities(self) -> tuple[TableQuantity, ...]:
         """The numbers of the tables that it rests on."""
-        return self.expression.quantities
+        return tuple(quantity for part in self.expressions for quantity in part.quantities)
 
-    def holds(self, values: np.ndarray) -> np.ndarray:
-        """Return 1 where it holds of a value of its expression, 0 where it does not, NaN where there is no value."""
-        holds = values > self.value if self.is_above else values < self.value
-        return np.where(np.isnan(values), np.nan, holds)
+    @property
+    def first(self) -> Expression:
+        """The first expression."""
+        return self.expressions[0]
+
+    @property
+    def scale(self) -> float:
+        """The size of its values, by which it is missed or met [SI]; 1 where they are 0 or where there are none."""
+        return max((abs(part) for part in self.parts if isinstance(part, float)), default=0.0) or 1.0
+
+    @property
+    def bounds_below(self) -> bool:
+        """Whether it holds the better, the larger its first expression is."""
+        place = self.parts.index(self.first)
+        return (self.signs[place] if place < len(self.signs) else {"<": ">", ">": "<"}[self.signs[-1][0]])[0] == ">"
+
+    def margin(self, value: Value) -> np.ndarray:
+        """Return by how much the statement is met, below 0 where it is missed; NaN where there is no value [SI]."""
+        found = [part(value) if isinstance(part, Expression) else np.asarray(part) for part in self.parts]
+        steps = [
+            right - left if sign.startswith("<") else left - right
+            for left, sign, right in zip(found[:-1], self.signs, found[1:], strict=True)
+        ]
+        smallest = steps[0]
+        for step in steps[1:]:
+            smallest = np.minimum(smallest, step)  # NaN stays NaN
+        return np.asarray(smallest)
+
+    def holds(self, margin: np.ndarray) -> np.ndarray:
+        """Return 1 where a margin is that of a statement that holds, 0 where it does not, NaN where it is not known."""
+        includes_end = all(sign.endswith("=") for sign in self.signs)
+        return np.where(np.isnan(margin), np.nan, margin >= 0 if includes_end else margin > 0)
 
     def __str__(self) -> str:
         return self.text
 
 
-def parse_statement(text: str, buildings: Sequence[str]) -> Statement:
+def parse_statement(text: str, scope: Scope) -> Statement:
     """Return a statement over the tables of a study; arguments and errors as those of `parse_expression`."""
     text = " ".join(text[: MAX_LENGTH + 1].split())
-    match = _STATEMENT.match(text)
-    if match is None:
-        raise ExpressionError(f"'{text}' is not compared with a value by < or >", statement_hint(buildings))
-    expression = parse_expression(match["expression"], buildings)
-    written = match["value"].strip()
+    outside = re.sub(r"\[[^\[\]]*\]", lambda match: "_" * len(match[0]), text)  # a point of the sweep has signs too
+    marks = list(_SIGN.finditer(outside))
+    ends = [0, *(end for mark in marks for end in mark.span()), len(text)]
+    sides = [text[begin:end].strip() for begin, end in zip(ends[::2], ends[1::2], strict=True)]
+    signs = tuple(mark[1] for mark in marks)
+    if not signs or "" in sides[:1] or "=" in _SIGN.sub(" ", outside):
+        raise ExpressionError(f"'{text}' is not compared with a value by < or >", statement_hint(scope.buildings))
+    if len(sides) > 3 or len({sign[0] for sign in signs}) > 1:
+        hint = statement_hint(scope.buildings)
+        raise ExpressionError(f"'{text}' compares more than one number with its lower and upper end", hint)
+    known = {*QUANTITIES, *HISTORY, *(name.removeprefix("line_") for name in LINE)}
+    names = [set(_NAMES.findall(side)) & known for side in sides]
+    if not any(names):
+        parse_expression(sides[0], scope)  # says what is wrong with it
+        raise ExpressionError(f"'{text}': it takes nothing from the tables", statement_hint(scope.buildings))
+    parsed = [parse_expression(side, scope) if found else None for side, found in zip(sides, names, strict=True)]
+    first = next(each for each in parsed if each is not None)
+    parts: list[Expression | float] = []
+    for side, expression in zip(sides, parsed, strict=True):
+        parts.append(_parse_value(text, side, first, sides, signs) if expression is None else expression)
+    units = {part.unit for part in parts if isinstance(part, Expression)}
+    if len(units) > 1:
+        found = " and ".join(f"[{unit or '-'}]" for unit in sorted(units))
+        raise ExpressionError(f"'{text}' compares numbers in {found}", "compare numbers of one unit")
+    return Statement(text, tuple(parts), signs)
+
+
+def _parse_value(
+    text: str, written: str, expression: Expression, sides: Sequence[str], signs: Sequence[str]
+) -> float:  # fmt: skip
+    """Return a value of a statement [SI].  Raises ExpressionError.
+
+    written : the value
+    expression : that it is compared with
+    """
     behind = _BEHIND.fullmatch(written)
-    if behind is not None:
-        ordered = f"{match['expression'].strip()} in {behind['place']} {match['sign']} {behind['value']}"
+    if behind is not None and len(sides) == 2:
+        ordered = f"{sides[0]} in {behind['place']} {signs[0]} {behind['value']}"
         raise ExpressionError(f"'{text}': the place stands behind the value", f"write `{ordered}`")
     unit = expression.unit
-    example = f"{expression} {match['sign']} {_VALUES[unit]}"
+    shown = _VALUES.get(unit, f"1 {unit}")
+    example = f"{expression} {signs[0]} {shown}"
     if unit == "m" and written.endswith("%"):
         example = re.sub(r"\b(edge_)?drift\b", rf"\1{DRIFT_RATIO}", text)  # of the storey height
-    value = _parse_number(text, Quantity("value", unit, _VALUES[unit]), written, f"write e.g. `{example}`")
-    return Statement(text, expression, match["sign"] == ">", value)
+    return _parse_number(text, Quantity("value", unit, shown), written, f"write e.g. `{example}`")
 
 
 def _parse_number(text: str, measure: Quantity, written: str, hint: str) -> float:
@@ -463,12 +779,14 @@ def parse_limit(value: Any) -> Limit:
     measure = _MEASURES.get(quantity)
     quantity = OF_HEIGHT.get(quantity, quantity)
     try:
-        line = _parse_line(place, quantity, LIMITS_OF_LINES)
+        line = _check_line(place["line"], quantity, LIMITS_OF_LINES)
         if line and not (place["of"] and building):
             raise ExpressionError(
                 f"'{text}': line {line} of which building?", f"write `{comparison} in line {line} of NAME`"
             )
-        level = _parse_level(place, quantity in FLOOR, f"'{text}': {quantity}")
+        level = 0
+        if place["kind"] is not None:
+            level = _check_level(f"{place['kind']} {place['level']}", quantity in FLOOR, f"'{text}': {quantity}")
         number = 0.0 if measure is None else _parse_number(text, measure, written, LIMIT_FORM)
     except ExpressionError as error:
         raise refuse(*error.args) from None

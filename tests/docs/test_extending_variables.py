@@ -34,7 +34,7 @@ import pounding_cli as pound
 from pounding_cli.report.evidence import find_nominal
 from pounding_cli.report.widgets import build_explorer_data
 from pounding_cli.report.sweep import over_sweep
-from pounding_cli.study.expression import parse_expression
+from pounding_cli.study.expression import Scope, parse_expression
 
 results = pound.run("study.yaml", engine="serial")
 link = results.link()
@@ -49,7 +49,7 @@ print(json.dumps({
     "dataset": results.dataset["mean_force"].attrs["units"],
     "worst": float(over_sweep(results, "mean_force", {"case": "touching"})["mean"]),
     "largest": float(link["mean_force"].max()),
-    "unit": parse_expression("largest mean_force", ["stiff", "soft"]).unit,
+    "unit": parse_expression("largest mean_force", Scope(("stiff", "soft"))).unit,
     "charted": "mean_force" in [each["key"] for each in explorer["quantities"]],
 }))
 """

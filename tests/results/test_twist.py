@@ -22,7 +22,7 @@ from pounding_cli.results.export import export
 from pounding_cli.results.pelicun import demands
 from pounding_cli.results.plausible import implausible_results
 from pounding_cli.results.results import ResultTables
-from pounding_cli.study.expression import ExpressionError, parse_expression, parse_limit, parse_statement
+from pounding_cli.study.expression import ExpressionError, Scope, parse_expression, parse_limit, parse_statement
 
 STUDY = """\
 title: End of a row
@@ -274,7 +274,7 @@ def test_floors_that_do_not_twist(balanced):
     ],
 )
 def test_an_expression_is_the_number_of_the_tables(results, text, query, column):
-    expression = parse_expression(text, BUILDINGS)
+    expression = parse_expression(text, Scope(BUILDINGS))
     values = {name: array.values for name, array in results.arrays.data.items() if "analysis" in array.dims}
     found = evaluate_expression(expression, values, "largest")
     table = "line" if " line " in text else "floor" if "twist" in text else "storey"
@@ -300,7 +300,7 @@ def test_an_expression_is_the_number_of_the_tables(results, text, query, column)
 )
 def test_an_expression_that_is_refused(parse, text, message, hint):
     with pytest.raises(ExpressionError) as refused:
-        parse(text, BUILDINGS)
+        parse(text, Scope(BUILDINGS))
     assert message in refused.value.args[0]
     assert hint in refused.value.args[1]
 
@@ -323,7 +323,7 @@ def test_a_limit_with_its_value_behind_the_place():
     ],
 )
 def test_a_line_that_is_not_there(text, message, hint):
-    (part,) = parse_expression(text, BUILDINGS).quantities
+    (part,) = parse_expression(text, Scope(BUILDINGS)).quantities
     problem = find_twist_problem(part, [2, 0], BUILDINGS)
     if message is None:
         assert problem is None

@@ -14,7 +14,7 @@ import pandas as pd
 from pounding_cli.numbers import Unit
 from pounding_cli.questions.chosen_points import build_key_frame, study_at_points
 from pounding_cli.questions.expression_words import depends_on_contact, find_struck_buildings
-from pounding_cli.questions.expressions import Values, evaluate_error, evaluate_expression, parse_all
+from pounding_cli.questions.expressions import Values, collect_values, evaluate_error, evaluate_expression, find_margin, find_scope, parse_all
 from pounding_cli.questions.frames import FOUND
 from pounding_cli.questions.optimise.search import UNMET, Search, SearchPoint, evaluate_kink
 from pounding_cli.questions.optimise.spec import OptimiseSpec
@@ -38,7 +38,7 @@ from pounding_cli.study.file import get, nearest
 from pounding_cli.study.varied_inputs import DistributedInput, KeyInput
 from pounding_cli.study.vary import read_searched
 from pounding_cli.tables import Table, build_table
-from pounding_cli.variables import VARIABLES
+from pounding_cli.variables import SCENE_DIMS, VARIABLES
 
 if TYPE_CHECKING:
     from pounding_cli.batch.solve import Solver
@@ -62,6 +62,9 @@ WITH_CONTACT = "time histories with contact"
 FAILED = "time histories that failed"
 FLAGGED = "time histories flagged: "
 """Rows of the design that count; the last one begins so."""
+
+
+_OF_SCENES = frozenset((*SCENE_DIMS, "building", "storey", "floor", "line", "link"))
 
 
 class Optimise(StudyQuestion):
@@ -214,13 +217,16 @@ def _unit_of(si: str) -> Unit:
 
 def _find_values(question: Optimise, plan: Plan, arrays: ResultArrays) -> Values:
     """Return the variables in the one case and analysis, shape (other points of the sweep, points, ...)."""
-    axis_count = len(plan.axes)
-    place = (plan.cases.index(question.case), plan.analyses.index(question.analysis))
+    axes = tuple(axis.names[0] for axis in plan.axes)
+    place = {"case": plan.cases.index(question.case), "analysis": plan.analyses.index(question.analysis)}
+    sizes = [len(axis) for axis in plan.axes]
+    names = [name for name, array in arrays.data.items() if {*array.dims} <= _OF_SCENES.union(axes)]
     values = {}
-    for name, array in arrays.data.items():
-        if array.dims[axis_count : axis_count + 2] == ("case", "analysis"):
-            chosen = array.values[(slice(None),) * axis_count + place]
-            values[name] = chosen.reshape(-1, *chosen.shape[axis_count - 1 :])
+    for name, array in collect_values(arrays, axes, names).items():
+        for axis, number in enumerate(place.values(), len(axes)):
+            array = array.take([number if array.shape[axis] > 1 else 0], axis=axis)
+        behind = array.shape[len(axes) + len(place) :]
+        values[name] = np.broadcast_to(array, (*sizes, 1, 1, *behind)).reshape(-1, sizes[-1], *behind)
     return values
 
 
@@ -265,11 +271,9 @@ def _find_excess(required: Sequence[Statement], values: Values) -> np.ndarray:
     """
     total = np.zeros(values["status"].shape[1])
     for statement in required:
-        numbers = evaluate_expression(statement.expression, values, "smallest" if statement.is_above else "largest")
-        beyond = statement.value - numbers if statement.is_above else numbers - statement.value
-        scale = abs(statement.value) or 1.0
-        missed = np.where(statement.holds(numbers) == 1, 0.0, np.maximum(beyond / scale, np.finfo(float).eps))
-        total = total + np.where(np.isnan(numbers), np.nan, missed).max(axis=0)
+        margin = find_margin(statement, values, "smallest" if statement.bounds_below else "largest")
+        missed = np.where(statement.holds(margin) == 1, 0.0, np.maximum(-margin / statement.scale, np.finfo(float).eps))
+        total = total + np.where(np.isnan(margin), np.nan, missed).max(axis=0)
     return total
 
 
@@ -369,7 +373,7 @@ def _build_design_frame(
     case = plan.cases.index(question.case)
     analysis = plan.analyses.index(question.analysis)
     struck = find_struck_buildings(plan, arrays, case, analysis, numbers)
-    names = plan.buildings
+    scope = find_scope(question.study)
 
     rows: list[dict[str, Any]] = []
 
@@ -382,7 +386,7 @@ def _build_design_frame(
 
     add(str(question.expression), sought["value"].to_numpy(), question.expression.unit or "1")
     rows[0]["over_motions"] = question.spec.over_motions if len(plan.records) > 1 else ""
-    rows[0]["on_contact"] = int(depends_on_contact(question.expression, struck))
+    rows[0]["on_contact"] = int(depends_on_contact(question.expression.quantities, struck))
     add(CONTACTS, np.where(is_known, impacts.sum(axis=(0, 2)), np.nan))
     add(WITH_CONTACT, np.where(is_known, (impacts > 0).sum(axis=(0, 2)), np.nan), of=count)
     add(FAILED, has_failed.sum(axis=(0, 2)), of=count)
@@ -390,7 +394,7 @@ def _build_design_frame(
         largest = np.fmax.reduce(demand, axis=(0, *range(2, demand.ndim)))
         add(text, np.where(is_known, largest, np.nan), VARIABLES[name].unit)
         if name != "shear_demand":
-            rows[-1]["on_contact"] = int(depends_on_contact(parse_expression(text, names), struck))
+            rows[-1]["on_contact"] = int(depends_on_contact(parse_expression(text, scope).quantities, struck))
     flags = values["flags"]
     kinds = dict.fromkeys(split_flag(line)[0] for cell in flags[:, numbers].flat for line in cell.splitlines())
     for kind in kinds:

@@ -12,7 +12,7 @@ import pandas as pd
 
 from pounding_cli.questions.chosen_points import find_distinct_points, study_at_points
 from pounding_cli.questions.expression_words import depends_on_contact, find_struck_buildings
-from pounding_cli.questions.expressions import Values, evaluate_expression, parse_all
+from pounding_cli.questions.expressions import Values, collect_values, evaluate_expression, find_margin, parse_all
 from pounding_cli.questions.frames import list_swept_columns
 from pounding_cli.questions.question import Answer, StudyQuestion
 from pounding_cli.questions.sensitivity.answer import (
@@ -254,22 +254,22 @@ def _iter_series(
     """Yield expressions, or whether statements hold, at all samples: by point, case, analysis and expression."""
     values = _values_of_samples(arrays, question, {part.name for one in asked for part in one.quantities})
     samples_axis = len(plan.axes) - 1
-    series: list[tuple[Expression | Statement, Expression, np.ndarray, str]] = []
+    shape = values["status"].shape[:-1]
+    series: list[tuple[Expression | Statement, np.ndarray, str]] = []
     for one in asked:
-        expression = one.expression if isinstance(one, Statement) else one
-        of_samples = evaluate_expression(expression, values, question.spec.over_motions)
-        of_samples = np.moveaxis(of_samples, samples_axis, -1)
+        over_motions = question.spec.over_motions
         if isinstance(one, Statement):
-            series.append((one, expression, one.holds(of_samples), ""))
+            of_samples, unit = one.holds(find_margin(one, values, over_motions)), ""
         else:
-            series.append((one, expression, of_samples, one.unit))
+            of_samples, unit = evaluate_expression(one, values, over_motions), one.unit
+        series.append((one, np.moveaxis(np.broadcast_to(of_samples, shape), samples_axis, -1), unit))
     points = range(plan.shape[samples_axis])
     struck = {
         (case, analysis): find_struck_buildings(plan, arrays, case, analysis, points)
         for case, analysis in np.ndindex(len(plan.cases), len(plan.analyses))
     }
     for *point, case, analysis in np.ndindex(*plan.shape[:samples_axis], len(plan.cases), len(plan.analyses)):
-        for one, expression, of_samples, unit in series:
+        for one, of_samples, unit in series:
             yield Series(
                 tuple(point),
                 plan.cases[case],
@@ -277,21 +277,21 @@ def _iter_series(
                 str(one),
                 unit,
                 of_samples[(*point, case, analysis)],
-                depends_on_contact(expression, struck[case, analysis]),
+                depends_on_contact(one.quantities, struck[case, analysis]),
             )
 
 
 def _values_of_samples(arrays: ResultArrays, question: Sensitivity, names: set[str]) -> Values:
     """Return variables at all samples, shape (other swept axes, samples, case, analysis, motions of a sample, ...)."""
-    samples_axis = len(question.plan.axes) - 1
+    axes = tuple(axis.names[0] for axis in question.plan.axes)
+    samples_axis = len(axes) - 1
     motions_axis = samples_axis + 3  # behind case and analysis
-    values = {}
-    for name in names | {"status", "drift", "mu", "acceleration", "max_closing", "peak_force"}:
-        if name not in arrays:  # no case has a link
-            continue
-        of_points = arrays[name].values
-        of_samples = of_points.take(question.point_of_sample, axis=samples_axis)
-        if question.motions_of_samples is not None:
+    values = collect_values(arrays, axes, names)
+    for name, of_points in values.items():
+        of_samples = of_points
+        if of_points.shape[samples_axis] > 1:
+            of_samples = np.take(of_points, question.point_of_sample, axis=samples_axis)
+        if question.motions_of_samples is not None and of_points.shape[motions_axis] > 1:
             shape = [1] * of_samples.ndim
             shape[samples_axis], shape[motions_axis] = question.motions_of_samples.shape
             of_samples = np.take_along_axis(of_samples, question.motions_of_samples.reshape(shape), axis=motions_axis)
