@@ -30,7 +30,7 @@ MAX_SECONDS = 2.0
 MAX_NAMED = 4
 """Changed keys that are named together."""
 
-_IDLE_SECTIONS = {"title", "report", "claims", "keep"}
+_IDLE_SECTIONS = {"title", "report", "statements", "keep"}
 """Sections that no time history follows from."""
 
 

@@ -20,19 +20,14 @@ from pounding_cli.batch.solve import Solver
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import count_histories
 from pounding_cli.outputs import check_output
-from pounding_cli.questions import load_question
 from pounding_cli.report.summary import Summary, program_digest, read_summary
 from pounding_cli.results.file import FORMAT_VERSION, is_results, read_attributes, write_results
 from pounding_cli.results.histories import iter_kept_histories
 from pounding_cli.results.responses import solution_key, solver_version
 from pounding_cli.results.results import ResultTables
-from pounding_cli.study.file import Problems
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from pounding_cli.questions.question import StudyQuestion
-    from pounding_cli.questions.sensitivity.question import Sensitivity, Series
     from pounding_cli.study import Plan, Study
 
 
@@ -71,36 +66,6 @@ class RunOutcome:
     results: ResultTables | None = None
     divided: int = 0
     parts: int = 0
-
-
-def ask_question(name: str, study: Study) -> StudyQuestion:
-    """Return a question asked of a study.  Raises InputError: there is none, or the study asks what has no answer."""
-    if name == "sensitivity":
-        from pounding_cli.questions.sensitivity.question import Sensitivity
-
-        question = Sensitivity(study, judge=_judge_claims)
-        _refuse_drawn_changes(question)
-        return question
-    return load_question(name).ask(study)
-
-
-def _refuse_drawn_changes(question: Sensitivity) -> None:
-    """Raise InputError where a changed value has no effect, since its key is drawn from a distribution."""
-    study = question.study
-    drawn = {member.key for each in question.inputs for member in each.members}
-    problems = Problems(study.file)
-    for change in study.changes:
-        if change.key in drawn:
-            message = "has no effect: under `uncertain:` the key is drawn from a distribution"
-            problems.add(change.mark, message, f"change that, `uncertain.{change.key}=...`, or leave it out")
-    problems.check()
-
-
-def _judge_claims(plan: Plan, data: xr.Dataset, question: Sensitivity) -> Iterator[Series]:
-    """Return whether the claims of the paper hold at every sample; only studies that ask for them load xarray."""
-    from pounding_cli.paper.verdicts import at_samples
-
-    return at_samples(plan, data, question)
 
 
 def run_study(
@@ -151,7 +116,8 @@ def run_study(
             reporter.write_note(f"{count_histories(solver.solved_count)} solved now and kept in {cache.path}")
             raise
         plan = answer.plan
-        histories = iter_kept_histories(plan, answer.arrays, reporter.write_note, cache)
+        kept = iter_kept_histories(plan, answer.arrays, reporter.write_note, cache)
+        histories = (history for _, history in kept)
         attributes = {
             "workflow": question.name,
             "content": content,

@@ -37,7 +37,7 @@ def compute_content_key(question: StudyQuestion) -> str:
     study = plan.study
     kept = (plan.kept, plan.every)
     resolved = json.dumps(study.to_plain_data(), default=str, sort_keys=True)
-    text = repr((solution_key(plan), question.name, study.title, study.text, resolved, kept))
+    text = repr((solution_key(plan), question.name, study.title, study.text, resolved, kept, question.content))
     return hashlib.sha256(text.encode() + plan.digests.tobytes() + plan.numbers.tobytes()).hexdigest()
 
 

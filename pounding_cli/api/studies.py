@@ -71,12 +71,13 @@ def run(
     Scenes that fail have a status other than "done" in `Results.scene()`, and NaN in the other tables; so do scenes in
     which a storey collapses ("collapsed"), which are no failures.
     """
-    from pounding_cli.api.running import ask_question, run_study
+    from pounding_cli.api.running import run_study
+    from pounding_cli.questions import load_question
 
     loaded = load_study(study) if isinstance(study, Mapping | str | Path) else study
     path = Path(output) if output is not None else default_output(loaded.path, workflow, loaded.changes)
     run_study(
-        ask_question(workflow, loaded),
+        load_question(workflow).ask(loaded),
         path,
         progress=progress,
         workers=workers,

@@ -133,6 +133,15 @@ class Solver:
 
         return build_arrays(plan, self.solve_plan(plan, numbers))
 
+    def iter_histories(self, plan: Plan, arrays: ResultArrays) -> Iterator[tuple[tuple[int, ...], ResultArrays]]:
+        """Yield the histories that a plan keeps, each with the index of its row: see `results.histories`.
+
+        arrays : of the plan
+        """
+        from pounding_cli.results.histories import iter_kept_histories
+
+        return iter_kept_histories(plan, arrays, self.progress.write_note, self.cache)
+
     def _load_rows(self, plan: Plan, numbers: np.ndarray, solved: Responses) -> None:
         """Take some scenes from the cache."""
         number_by_digest = {plan.digests[number].tobytes(): number for number in numbers.tolist()}

@@ -27,7 +27,7 @@ COMMANDS = {
     "check": ("study", "Validate a study; show what is solved, and how long the rest takes."),
     "run": _QUESTIONS.pop("run"),
     "show": ("results", "Print a table of a results file."),
-    "report": ("results", "Write figures, tables, claims and a page of results files."),
+    "report": ("results", "Write figures, tables and a page of results files."),
     **_QUESTIONS,
     "screen": ("screen", TITLES["screen"]),
     "export": ("results", "Write tables as CSV, Parquet, Excel or netCDF."),

@@ -232,7 +232,7 @@ def _select_rows(
     "--figures-for-paper", "paper", is_flag=True,
     help="Draw figures without titles and captions, as SVG and PDF; captions.md has the captions. No page.",
 )  # fmt: skip
-@click.option("--no-figures", is_flag=True, help="Write tables, claims and the page without figures (much faster).")
+@click.option("--no-figures", is_flag=True, help="Write tables and the page without figures (much faster).")
 @click.option("--quantity", "quantities", multiple=True, metavar="NAME", help="Quantity to draw over the sweep: drift.")
 @rows_options
 @quiet_option
@@ -240,7 +240,7 @@ def report(
     files: tuple[Path, ...], output: Path | None, formats: tuple[str, ...], paper: bool, no_figures: bool,
     quantities: tuple[str, ...], quiet: bool, **rows: Any,
 ) -> None:  # fmt: skip
-    """Write the page of results files (report.html), their figures and tables, and evaluate the paper's claims.
+    """Write the page of results files (report.html), their figures and tables, and tell which statements hold.
 
     Several files have a folder each, and comparison.md compares their answers (docs/page.md, docs/how-to/sweep.md).
 
@@ -249,8 +249,8 @@ def report(
       pound report results/fig6.h5 results/fig7.h5 --no-figures
       pound report results/sweep.h5 --quantity mu_ratio --case touching --building soft --where storey=3
     """
-    from pounding_cli.paper.verdicts import list_claim_sections, list_verdicts
     from pounding_cli.questions.reports import build_report, find_no_sweep
+    from pounding_cli.questions.run.statements import STATEMENTS, list_verdicts
     from pounding_cli.report.style import OF_PAPERS, PAPER, drawing_for
 
     choices = _list_choices(quantities, rows)
@@ -268,7 +268,7 @@ def report(
         choice = None
         if choices and path not in without_sweep:
             choice = _build_choice(results, quantities, _parse_conditions(**rows))
-        reports.append(build_report(results, choice, list_claim_sections(results)))
+        reports.append(build_report(results, choice))
     for each in reports:
         each.sections  # noqa: B018  # a bad choice is refused before anything is written
     for (folder, results), each in zip(opened, reports, strict=True):
@@ -276,13 +276,13 @@ def report(
             saved = each.save(folder, saved_formats, not paper)
         if not quiet:
             click.echo(f"{saved[-1]}: {pluralize(len(saved), 'file')}")
-            for key, verdict in list_verdicts(results).items():
-                click.echo(f"  {key:22} {verdict}")
+            for verdict in list_verdicts(results.answer(STATEMENTS).frame) if STATEMENTS in results.answers else ():
+                click.echo(f"  {verdict.name:22} {verdict}")
     if choices:
         for path, reason in without_sweep.items():
             click.echo(f"{path}: {reason}, so {choices[0]} does not apply to it", err=True)
     if len(opened) > 1:
-        from pounding_cli.paper.comparison import write_comparison
+        from pounding_cli.questions.comparison import write_comparison
 
         named = {folder.name: results for folder, results in opened}
         page, *_ = write_comparison(named, reports, output or Path("comparison"))

@@ -113,9 +113,9 @@ def solve_study(
     Returns whether every scene was solved and everything was written.
     """
     prepare_solving()
-    from pounding_cli.api.running import ask_question
     from pounding_cli.api.studies import default_output, load_study
     from pounding_cli.batch.progress import JsonLines
+    from pounding_cli.questions import load_question
 
     log = JsonLines() if log_json else None
     loaded = load_study(study, changes)
@@ -125,7 +125,7 @@ def solve_study(
         elif not quiet:
             click.echo(f"warning: {warning}", err=True)
     print_taken(describe_taken_files(loaded), quiet, log)
-    asked = ask_question(name, loaded)
+    asked = load_question(name).ask(loaded)
     print_taken(asked.taken, quiet, log)
     if write is not None:
         _check_best(cast("Optimise", asked), write, how["replace"])

@@ -1,4 +1,4 @@
-"""The paper's statements and figures: its claims about Figs 6 and 7, and the models of Figs 5 and 8.
+"""The two models of the paper that are not those of a study: the oscillators of Figs 4 and 5 and the wall of Fig. 8.
 
 Nothing of the rest of the program needs this package, except the commands and `api/`.
 """

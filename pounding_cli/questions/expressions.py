@@ -42,13 +42,17 @@ FindAtInstant = Callable[[TableQuantity], np.ndarray]
 Values = Mapping[str, np.ndarray]
 """Variables of a results file by name, shape (..., motions, building, storey), of lines (..., motions, building,
 storey, line), of links (..., motions, links), of scenes and buildings without their last axes; lengths of 1 where they
-do not change. Where expressions name points, cases or analyses, the first axes are those of the sweep, then these two."""
+do not change. Where expressions name points, cases or analyses, the first axes are those of the sweep and these two."""
 
 EVERY = "each"
 """Of the motions, where each has a value of its own."""
 
 NEEDED = ("status", "drift", "mu", "acceleration", "max_closing", "peak_force", "period")
 """Variables that tell which storeys, floors and links there are, and which building is the stiffest."""
+
+
+NO_PEAKS = ("impacts", "impulse", "contact_time")
+"""Numbers of links that are no peaks, of which the sensitivity of a time history says nothing."""
 
 
 def collect_values(arrays: ResultArrays, axes: Sequence[str], names: Iterable[str]) -> dict[str, np.ndarray]:
@@ -109,6 +113,13 @@ def find_margin(
     return statement.margin(lambda quantity: _evaluate_quantity(quantity, values, over_motions, instants))
 
 
+def evaluate_parts(
+    statement: Statement, values: Values, over_motions: str, instants: FindAtInstant | None = None
+) -> list[np.ndarray]:  # fmt: skip
+    """Return the values of the parts of a statement; arguments and shapes as those of `evaluate_expression`."""
+    return statement.find_parts(lambda quantity: _evaluate_quantity(quantity, values, over_motions, instants))
+
+
 def evaluate_error(expression: Expression, values: Values, over_motions: str) -> np.ndarray:
     """Return the largest numerical error of an expression; NaN where no run was solved more finely.
 
@@ -143,6 +154,8 @@ def find_spread(
     total = np.zeros(())
     for part in quantities:
         if part.instant is not None or part.name in (*FACTS, *OF_MOTIONS):
+            continue
+        if kind == "sensitivity" and part.name in NO_PEAKS:
             continue
         error = _find_error(part.name, values, kind)
         total = total + np.abs(evaluate_with(part, error) - evaluate_with(part, -error)) / 2
@@ -214,9 +227,7 @@ def _evaluate_quantity(
         is_done = choose_scenes(values["status"] == DONE, quantity, 1)
         numbers = np.where(is_done.reshape(*is_done.shape, *(1,) * count), numbers, np.nan)
     if quantity.building is not None and count:
-        at = (slice(None),) * (count - 1)
-        numbers = numbers[(..., [quantity.building], *at)]
-        exists = exists[(..., [quantity.building], *at)]
+        numbers, exists = (each.take([quantity.building], axis=-count) for each in (numbers, exists))
     if quantity.role and count:
         is_meant = choose_scenes(_find_role(quantity.role, values), quantity, 2)
         exists = exists & is_meant.reshape(*is_meant.shape, *(1,) * (count - 1))

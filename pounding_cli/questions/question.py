@@ -104,12 +104,14 @@ class StudyQuestion(ABC):
     spec : the section of the study
     problems : what is wrong with it
     taken : what was taken of each file that its section names, in a sentence
+    content : what its answer follows from besides the study and its time histories
     """
 
     name: ClassVar[str]
     extent = "has"
     spec: Any
     taken: tuple[str, ...] = ()
+    content: str = ""
 
     def __init__(self, study: Study) -> None:
         self.study = study

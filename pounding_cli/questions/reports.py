@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from pounding_cli.errors import InputError, Problem
@@ -19,16 +18,13 @@ if TYPE_CHECKING:
     from pounding_cli.results.results import ResultTables
 
 
-def build_report(
-    results: ResultTables, choice: SweepChoice | None = None, further: Sequence[Section] = ()
-) -> Report:  # fmt: skip
+def build_report(results: ResultTables, choice: SweepChoice | None = None) -> Report:
     """Return the report of a results file.
 
     Parameters
     ----------
     results : of any command
     choice : for `pound run` over a sweep: which figures are drawn; the usual ones unless given
-    further : sections behind those of the question
 
     Raises
     ------
@@ -53,7 +49,6 @@ def build_report(
         return [
             *list_plan_sections(evidence),
             *question.further_sections(results, **options),
-            *further,
             *build_background(results, evidence, question.is_sampled),
         ]
 

@@ -309,9 +309,9 @@ def decode_history(row: Row) -> dict[str, tuple[tuple[str, ...], np.ndarray, dic
 
 def iter_kept_histories(
     plan: Plan, arrays: ResultArrays, tell: Callable[[str], None], store: HistoryStore
-) -> Iterator[ResultArrays]:
-    """Yield the histories of the rows that a plan keeps, in the order of the tables, over the coordinates of its
-    arrays; those of rows whose scene failed are left out.
+) -> Iterator[tuple[tuple[int, ...], ResultArrays]]:
+    """Yield the index of every row that a plan keeps, in the order of the tables, with its history over the coordinates
+    of its arrays; rows whose scene failed are left out.
 
     tell : told of a run between output times that fails although the scene's own was done
     store : of histories of earlier runs, which are not solved again
@@ -342,9 +342,8 @@ def iter_kept_histories(
         data = {
             name: Array(each.dims, each.values.astype(np.float32), each.attrs) for name, each in history.data.items()
         }
-        yield ResultArrays(
-            data, history.coordinates, place | {"scene": plan.digests[row.scene].tobytes().hex(), "every": plan.every}
-        )
+        attributes = place | {"scene": plan.digests[row.scene].tobytes().hex(), "every": plan.every}
+        yield at, ResultArrays(data, history.coordinates, attributes)
 
 
 def _solve(plan: Plan, number: int) -> Mapping[str, Any]:

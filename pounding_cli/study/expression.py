@@ -113,7 +113,8 @@ STIFFEST, SOFTER = "stiffest building", "softer buildings"
 SAME_PERIOD = 1.0 + 1e-9
 """A period within this factor of the shortest is as short [-]."""
 
-_KINDS = ("building", "case", "analysis", "motion", "law")
+_LAW = "law"
+_KINDS = ("building", "case", "analysis", "motion", _LAW)
 
 
 @dataclass(frozen=True)
@@ -121,7 +122,7 @@ class Scope:
     """What expressions of a study may name.
 
     buildings : names of the group by place, left to right
-    cases, analyses, motions, laws : names; none where an expression is about each of them
+    cases, analyses, motions, laws : names, laws as `NAME links`; none where an expression is about each of them
     axes : of the sweep, at whose points a quantity may be asked for
     """
 
@@ -263,10 +264,13 @@ def parse_expression(text: str, scope: Scope) -> Expression:
 
 def _place_pattern(scope: Scope) -> str:
     """Return the pattern of one place of a quantity."""
-    names = sorted({name for names in scope.names.values() for name in names}, key=len, reverse=True)
-    either = "|".join(map(re.escape, names))
+    named = {kind: sorted(names, key=len, reverse=True) for kind, names in scope.names.items()}
+    laws = "|".join(map(re.escape, named.pop(_LAW)))
+    every = sorted({name for names in named.values() for name in names}, key=len, reverse=True)
+    either = "|".join(map(re.escape, every))
     words = _PLACE_WORDS.format(roles="|".join((STIFFEST, SOFTER)))
-    return rf"{words}|(?:(?:{'|'.join(_KINDS)})\s+)?(?:{either})(?![\w-])"
+    of_links = rf"|(?:{laws})\s+links\b" if laws else ""
+    return rf"{words}{of_links}|(?:(?:{'|'.join(named)})\s+)?(?:{either})(?![\w-])"
 
 
 def _parse_quantity(match: re.Match[str], scope: Scope) -> TableQuantity:
@@ -332,18 +336,20 @@ def _parse_places(match: re.Match[str], name: str, scope: Scope) -> _Places:
     if not written or of_line:
         if is_link and not scope.cases:
             raise ExpressionError(f"{name} belongs to links, not to a building", f"write `{name}`: of all links")
-        asked = re.match(r"line\s+([0-9]+)", unknown) or (None if unknown else re.match(r"line\s+([0-9]+)", written[-1]))
+        asked = re.match(r"line\s+([0-9]+)", unknown or written[-1])
         if asked is not None:
             hint = f"write `{name} in line {asked[1]} of {buildings[0]}`"
             raise ExpressionError(f"line {asked[1]} of which building?", hint)
-        every = {kind: names for kind, names in scope.names.items() if names}
-        kinds = " or ".join(every)
+        every = {kind: names for kind, names in scope.names.items() if names and kind != _LAW}
+        kinds = ", ".join(every).replace(", motion", " or motion")
         raise ExpressionError(
             f"no {kinds} '{unknown}' in the {'group' if len(every) == 1 else 'study'}",
             nearest(unknown, [each for names in every.values() for each in names]),
         )
     for each in written:
         _take_place(places, each, scope)
+    if places.law and not is_link:
+        raise ExpressionError(f"{name} belongs to no link", "leave the links out")
     if is_link and (places.building is not None or places.role):
         raise ExpressionError(f"{name} belongs to links, not to a building", f"write `{name}`: of all links")
     if places.line is not None and places.building is None:
@@ -362,8 +368,10 @@ def _take_place(places: _Places, written: str, scope: Scope) -> None:
         places.level = written
     elif written in (STIFFEST, SOFTER):
         places.role = written
+    elif (law := written.removesuffix(" links")) != written:
+        places.law = law
     else:
-        kinds = [kind for kind in _KINDS if written in scope.names[kind]]
+        kinds = [kind for kind in _KINDS if kind != _LAW and written in scope.names[kind]]
         if not kinds and first in _KINDS:
             kinds, written = [first], rest
         if len(kinds) > 1:
@@ -374,7 +382,7 @@ def _take_place(places: _Places, written: str, scope: Scope) -> None:
             raise ExpressionError(f"no {kind} '{written}' in the study", nearest(written, scope.names[kind]))
         if getattr(places, kind) not in (None, ""):
             raise ExpressionError(f"'{written}' is a second {kind}", f"write one {kind}")
-        setattr(places, kind, written if kind == "law" else scope.names[kind].index(written))
+        setattr(places, kind, scope.names[kind].index(written))
 
 
 _INSTANT = re.compile(
@@ -546,11 +554,13 @@ class Statement:
     text : as people read it
     parts : expressions and values [SI], left to right
     signs : between them: <, >, <= or >=
+    written_unit : of its values; "" where they have none
     """
 
     text: str
     parts: tuple[Expression | float, ...]
     signs: tuple[str, ...]
+    written_unit: str = ""
 
     @property
     def expressions(self) -> tuple[Expression, ...]:
@@ -578,17 +588,23 @@ class Statement:
         place = self.parts.index(self.first)
         return (self.signs[place] if place < len(self.signs) else {"<": ">", ">": "<"}[self.signs[-1][0]])[0] == ">"
 
+    def find_parts(self, value: Value) -> list[np.ndarray]:
+        """Return the values of its parts from those of its quantities [SI]."""
+        return [part(value) if isinstance(part, Expression) else np.asarray(part) for part in self.parts]
+
+    def find_steps(self, parts: Sequence[np.ndarray]) -> list[np.ndarray]:
+        """Return by how much every comparison of two neighbouring parts is met, below 0 where it is missed [SI]."""
+        return [
+            right - left if sign.startswith("<") else left - right
+            for left, sign, right in zip(parts[:-1], self.signs, parts[1:], strict=True)
+        ]
+
     def margin(self, value: Value) -> np.ndarray:
         """Return by how much the statement is met, below 0 where it is missed; NaN where there is no value [SI]."""
-        found = [part(value) if isinstance(part, Expression) else np.asarray(part) for part in self.parts]
-        steps = [
-            right - left if sign.startswith("<") else left - right
-            for left, sign, right in zip(found[:-1], self.signs, found[1:], strict=True)
-        ]
-        smallest = steps[0]
-        for step in steps[1:]:
-            smallest = np.minimum(smallest, step)  # NaN stays NaN
-        return np.asarray(smallest)
+        first, *others = self.find_steps(self.find_parts(value))
+        for step in others:
+            first = np.minimum(first, step)  # NaN stays NaN
+        return np.asarray(first)
 
     def holds(self, margin: np.ndarray) -> np.ndarray:
         """Return 1 where a margin is that of a statement that holds, 0 where it does not, NaN where it is not known."""
@@ -626,7 +642,8 @@ def parse_statement(text: str, scope: Scope) -> Statement:
     if len(units) > 1:
         found = " and ".join(f"[{unit or '-'}]" for unit in sorted(units))
         raise ExpressionError(f"'{text}' compares numbers in {found}", "compare numbers of one unit")
-    return Statement(text, tuple(parts), signs)
+    written = next((written_unit(side) for side, each in zip(sides, parsed, strict=True) if each is None), "")
+    return Statement(text, tuple(parts), signs, written)
 
 
 def _parse_value(

@@ -5,13 +5,23 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 
-from pydantic import ConfigDict, Field, WithJsonSchema, create_model
+from pydantic import ConfigDict, Field, StringConstraints, WithJsonSchema, create_model
 from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 from pydantic_core import core_schema
 
 from pounding_cli.laws import link_laws
 from pounding_cli.methods import ACCURACY, METHODS, TIME_STEP
-from pounding_cli.study.base import Model, Name, SpecIssue, mapping_schema, spec_field, word_or
+from pounding_cli.study.base import (
+    LabelText,
+    Model,
+    Name,
+    SpecIssue,
+    list_or,
+    mapping_schema,
+    one_or_many,
+    spec_field,
+    word_or,
+)
 from pounding_cli.study.building_spec import BuildingSpec
 from pounding_cli.study.link_specs import NO_LINK, OWN_LAW, CaseSpec, ImpactSpec, OwnLawSpec, link_models
 from pounding_cli.study.quantity import TIME, Quantity
@@ -84,6 +94,49 @@ _UNCERTAIN_FORM = {
 }
 
 
+_TEXT = Annotated[str, StringConstraints(min_length=1, max_length=500)]
+
+
+class StatementSpec(Model):
+    """One statement on the results: comparisons that hold, or a number and what it should be."""
+
+    says: Annotated[str, StringConstraints(min_length=1, max_length=500)] = spec_field(
+        ..., "the statement, in the words of its source", "the infill lowers the response"
+    )
+    source: Annotated[str, StringConstraints(max_length=200)] = spec_field("", "where it stands", "table 3")
+    name: LabelText | None = spec_field(None, "short name in tables; default: its number", "infill")
+    reading: Annotated[str, StringConstraints(max_length=200)] = spec_field(
+        "", "how its words are read, where they may be read otherwise", "mean over the storeys"
+    )
+    holds: one_or_many(_TEXT, 0, 100, True) = spec_field(  # type: ignore[valid-type]
+        (),
+        "comparisons of columns of the tables with each other or with values, one or a list: `mean V_ratio in infill < "
+        "mean V_ratio in touching`, `0 < mu in soft / mu in stiff - 1 < 15 %`; places behind `in` are buildings, "
+        "`storey N`, cases, analyses, motions, `pounding links`, `stiffest building`, `softer buildings`; in brackets "
+        "a point of the sweep, `mu [cases.near.gap = 2 cm]`, or an instant of a kept history, `displacement in soft "
+        "floor 1 [1.1 s]`, `time [contact 2]`",
+    )
+    number: _TEXT | None = spec_field(None, "the number that `is` tells", "largest displacement in left floor 3")
+    is_: _TEXT | None = spec_field(None, "what the number should be, with its unit", "32.9 cm", alias="is")
+    within: _TEXT | None = spec_field(None, "by how much it may differ: a share, or a value with its unit", "1 %")
+    over_motions: Literal["mean", "largest", "smallest", "each"] = spec_field(
+        "mean", "value over the motions, storey by storey; `each`: it must hold under each of them"
+    )
+
+    def issues(self) -> Iterator[SpecIssue]:
+        numbers = {"number": self.number, "is": self.is_, "within": self.within}
+        given = [key for key, value in numbers.items() if value is not None]
+        hint = "write `holds: mu < 4`, or `number: mu, is: 3.2, within: 1 %`"
+        if bool(self.holds) == bool(given):
+            yield ("says",), "a statement takes `holds`, or `number`, `is` and `within`", hint, True
+        elif given and len(given) < len(numbers):
+            lacking = ", ".join(f"`{key}`" for key in numbers if key not in given)
+            yield (given[0],), f"a number lacks {lacking}", hint, True
+
+
+_Statements: Any = list_or(Annotated[tuple[StatementSpec, ...], Field(max_length=200)], _TEXT)
+
+
 class StudySpec(Model):
     """A study of earthquake pounding between adjacent buildings; `add_sections` adds those of questions."""
 
@@ -122,7 +175,11 @@ class StudySpec(Model):
         "`optimise` names `residual_drift`",
         True,
     )
-    claims: Literal["fig6", "fig7"] | None = spec_field(None, "figure of the paper that this study reproduces")
+    statements: _Statements = spec_field(
+        (),
+        "what should hold of the results, each tested by `pound run`: a list, or a study file that has them",
+        [{"says": "the infill lowers the response", "holds": "mean V_ratio in infill < mean V_ratio in touching"}],
+    )
     report: ReportSpec = spec_field(ReportSpec(), "first figure of the report")
     keep: _Keep | None = spec_field(None, "histories to keep; `histories`: of all scenes")
     sweep: Annotated[Any, WithJsonSchema(_SWEEP_FORM)] = spec_field(

@@ -414,9 +414,10 @@ def test_no_xarray_and_no_matplotlib_for_an_answer(folder, name):
     over = {"impact.restitution": {"choice": [0.4, 0.65]}}
     study = build_study(optimise={"least": "mu", "over": over})
     code = (
-        "import json, sys\nimport pounding_cli as pound\nfrom pounding_cli.api.running import ask_question, run_study\n"
+        "import json, sys\nimport pounding_cli as pound\nfrom pounding_cli.api.running import run_study\n"
+        "from pounding_cli.questions import load_question\n"
         "from pathlib import Path\nfrom pounding_cli.questions.reports import build_report\n"
-        "question = ask_question(sys.argv[2], pound.load_study(json.loads(sys.argv[1])))\n"
+        "question = load_question(sys.argv[2]).ask(pound.load_study(json.loads(sys.argv[1])))\n"
         "build_report(run_study(question, Path(sys.argv[3]), engine='serial').results).print()\n"
         "print([name for name in ('xarray', 'matplotlib') if name in sys.modules])"
     )

@@ -24,7 +24,7 @@ from pounding_cli.study.street_places import EDGE_TOLERANCE, LinkArms, StreetSid
 LINK_SECTIONS = ("cases", "impact", "laws")
 """Sections that say what stands between the buildings."""
 
-IGNORED_SECTIONS = (*LINK_SECTIONS, "sweep", "keep", "report", "claims", "uncertain")
+IGNORED_SECTIONS = (*LINK_SECTIONS, "sweep", "keep", "report", "statements", "uncertain")
 """Sections without a meaning where the buildings stand alone."""
 
 

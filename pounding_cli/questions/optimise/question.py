@@ -14,7 +14,15 @@ import pandas as pd
 from pounding_cli.numbers import Unit
 from pounding_cli.questions.chosen_points import build_key_frame, study_at_points
 from pounding_cli.questions.expression_words import depends_on_contact, find_struck_buildings
-from pounding_cli.questions.expressions import Values, collect_values, evaluate_error, evaluate_expression, find_margin, find_scope, parse_all
+from pounding_cli.questions.expressions import (
+    Values,
+    collect_values,
+    evaluate_error,
+    evaluate_expression,
+    find_margin,
+    find_scope,
+    parse_all,
+)
 from pounding_cli.questions.frames import FOUND
 from pounding_cli.questions.optimise.search import UNMET, Search, SearchPoint, evaluate_kink
 from pounding_cli.questions.optimise.spec import OptimiseSpec

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from pounding_cli.questions.run.statements import STATEMENTS
 from pounding_cli.report.document import Picture, Section
 from pounding_cli.report.evidence import Evidence, find_nominal
 from pounding_cli.report.figures import list_loops, list_profiles
@@ -36,7 +37,15 @@ def further_sections(results: ResultTables, choice: SweepChoice | None = None) -
         Section("Look around", [chart["cut"]], **explorer),
         Section("Moving buildings", sentences, widget="player", data={"scenes": scenes}),
         Section("Figures", pictures=[*list_profiles(evidence)[1:], *list_loops(evidence)]),
+        *_list_statement_sections(results),
     ]
+
+
+def _list_statement_sections(results: ResultTables) -> list[Section]:
+    """Return the section with every number of the statements; none where the study has no statements."""
+    if STATEMENTS not in results.answers:
+        return []
+    return [Section("Numbers of the statements", (), [results.answer(STATEMENTS)], folded=True)]
 
 
 def _describe_kept(results: ResultTables, evidence: Evidence, scenes: Sequence[Any]) -> list[str]:

@@ -13,6 +13,7 @@ from pounding_cli.model.scene import Analysis
 from pounding_cli.numbers import Unit, join_limited, pluralize
 from pounding_cli.questions.neighbours import note_median_buildings
 from pounding_cli.questions.run.ranking import describe_ranking
+from pounding_cli.questions.run.statements import STATEMENTS, view_verdicts
 from pounding_cli.questions.run.tables import BEYOND_MARK, PEAKS, build_means_table, build_peaks_table
 from pounding_cli.questions.run.twist import (
     CONTACT_MARK,
@@ -134,7 +135,8 @@ def list_sentences(results: ResultTables) -> list[str]:
 
 def list_tables(results: ResultTables) -> list[Table]:
     """Return the tables that a terminal prints."""
-    tables = [build_peaks_table(results)]
+    tables = [view_verdicts(results)] if STATEMENTS in results.answers else []
+    tables.append(build_peaks_table(results))
     if not np.isfinite(results.values("V_ratio")).any():
         return tables
     evidence = find_nominal(results)

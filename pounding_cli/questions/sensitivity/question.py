@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -12,9 +12,18 @@ import pandas as pd
 
 from pounding_cli.questions.chosen_points import find_distinct_points, study_at_points
 from pounding_cli.questions.expression_words import depends_on_contact, find_struck_buildings
-from pounding_cli.questions.expressions import Values, collect_values, evaluate_expression, find_margin, parse_all
+from pounding_cli.questions.expressions import (
+    Values,
+    collect_values,
+    evaluate_expression,
+    find_margin,
+    name_variables,
+    parse_all,
+)
 from pounding_cli.questions.frames import list_swept_columns
 from pounding_cli.questions.question import Answer, StudyQuestion
+from pounding_cli.questions.run import read_statements
+from pounding_cli.questions.run.statements import iter_tested
 from pounding_cli.questions.sensitivity.answer import (
     build_index_frame,
     build_places,
@@ -37,13 +46,12 @@ from pounding_cli.study.archetypes import KEY as ARCHETYPE
 from pounding_cli.study.archetypes import list_seen
 from pounding_cli.study.axes import sweep_maps
 from pounding_cli.study.expression import Expression, Statement, parse_expression, parse_statement
+from pounding_cli.study.statements import iter_comparisons
 from pounding_cli.study.varied_inputs import MotionInput, choose_option
 from pounding_cli.study.vary import read_uncertain
 from pounding_cli.tables import build_table
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from pounding_cli.batch.solve import Solver
     from pounding_cli.study.file import Map
 
@@ -75,19 +83,15 @@ class Series(NamedTuple):
     on_contact: bool = False
 
 
-Judge = Callable[["Plan", "xr.Dataset", "Sensitivity"], "Iterable[Series]"]
-"""judge(plan, dataset, question) -> what else may hold: 1, 0, or NaN of a sample where it is not known."""
-
-
 class Sensitivity(StudyQuestion):
     """The question which uncertain keys are most influential, and how uncertain the outputs are.
 
     Raises InputError: no key that varies, no output, or one that is not understood.
 
-    judge : decides whether the claims of a figure hold
     inputs : keys that vary, and the choice of motions
     outputs : expressions whose indices are computed
-    statements : comparisons whose probabilities are computed
+    probabilities : comparisons whose probabilities are computed
+    statements : of the study, whose probabilities are computed too
     motions : names of the motions
     motion_sets : motions that a sample may rest on, by number, shape (options, motions of a sample); None: all of them
     """
@@ -95,12 +99,11 @@ class Sensitivity(StudyQuestion):
     name = "sensitivity"
     spec: SensitivitySpec
 
-    def __init__(self, study: Study, judge: Judge | None = None) -> None:
+    def __init__(self, study: Study) -> None:
         super().__init__(study)
         spec = self.spec
         problems = self.problems
         root = study.tree
-        self.judge = judge
         self.motions = tuple(study.motion_uses(study.first_point))
         inputs = read_uncertain(root, problems, len(self.motions))
         self.inputs = tuple(inputs)
@@ -118,19 +121,30 @@ class Sensitivity(StudyQuestion):
                     problems.add(each.mark, "the study has one motion: there is nothing to choose", hint)
                 self.motion_sets = each.draw_sets(spec.seed)
         self.refuse_histories("samples")
-        if spec.claims and study.spec.claims is None:
-            hint = "write `claims: fig6` or `claims: fig7` at the top of the study: the figure that it reproduces"
-            self.add_problem(("claims",), "the study names no figure whose claims could be judged", hint, key=True)
-        if not (spec.outputs or spec.probabilities or spec.claims):
+        self._refuse_drawn_changes()
+        if spec.statements and not study.spec.statements:
+            hint = "write `statements:` at the top of the study, a list of `{says: ..., holds: ...}`"
+            self.add_problem(("statements",), "the study has no statements", hint, key=True)
+        self.statements = read_statements(self) if spec.statements else []
+        if not (spec.outputs or spec.probabilities or spec.statements):
             hint = "write e.g. `sensitivity: {outputs: [largest mu]}`"
             self.add_problem((), "`sensitivity:` lacks 'outputs'", hint, key=True)
         self.outputs = parse_all(parse_expression, self, "outputs", spec.outputs)
-        self.statements = parse_all(parse_statement, self, "probabilities", spec.probabilities)
+        self.probabilities = parse_all(parse_statement, self, "probabilities", spec.probabilities)
         points = self.samples * (len(inputs) + (2 if spec.method == "sobol" else 1))
         if points > MAX_SAMPLES:
             message = f"{self.samples} samples make {points} points"
             self.add_problem(("samples",), message, f"keep it to {MAX_SAMPLES}: write fewer")
         problems.check()
+
+    def _refuse_drawn_changes(self) -> None:
+        """Note changed values that have no effect, since their keys are drawn from a distribution."""
+        drawn = {member.key for each in self.inputs for member in each.members}
+        for change in self.study.changes:
+            if change.key in drawn:
+                message = "has no effect: under `uncertain:` the key is drawn from a distribution"
+                hint = f"change that, `uncertain.{change.key}=...`, or leave it out"
+                self.problems.add(change.mark, message, hint)
 
     # The samples
 
@@ -214,15 +228,13 @@ class Sensitivity(StudyQuestion):
         return dataclasses.replace(make_plan(sampled, row_filter=row_filter), harder=True)
 
     def answer(self, solver: Solver) -> Answer:
-        """Return indices, distributions of outputs, probabilities of statements and claims, and the samples."""
+        """Return indices, distributions of outputs, probabilities of statements, and the samples."""
         plan = self.plan
         arrays = solver.solve_arrays(plan)
         outputs = list(_iter_series(plan, arrays, self, self.outputs))
-        statements = list(_iter_series(plan, arrays, self, self.statements))
-        claims: list[Series] = []
-        if self.judge is not None and self.spec.claims:
-            claims = list(self.judge(plan, arrays.to_dataset(), self))
-        every = [*outputs, *statements, *claims]
+        compared = list(_iter_series(plan, arrays, self, self.probabilities))
+        of_study = list(_iter_statements(plan, arrays, self))
+        every = [*outputs, *compared, *of_study]
         indices = [compute_indices(self, one.values) for one in every]
         swept = list_swept_columns(plan.axes[:-1])
         tables = [build_table(INDICES, build_index_frame(plan, self, every, indices), [*swept, *INDEX_COLUMNS])]
@@ -230,11 +242,11 @@ class Sensitivity(StudyQuestion):
             distributions = pd.DataFrame([describe_distribution(self, one.values) for one in outputs])
             frame = build_places(plan, outputs).join(distributions)
             tables.append(build_table(OUTPUTS, frame, [*swept, *OUTPUT_COLUMNS]))
-        if statements or claims:
-            frame = build_probability_frame(plan, self, [*statements, *claims], indices[len(outputs) :])
+        if compared or of_study:
+            frame = build_probability_frame(plan, self, [*compared, *of_study], indices[len(outputs) :])
             tables.append(build_table(PROBABILITIES, frame, [*swept, *PROBABILITY_COLUMNS]))
-        if outputs or statements:
-            tables.append(build_sample_table(plan, self, [*outputs, *statements]))
+        if outputs or compared:
+            tables.append(build_sample_table(plan, self, [*outputs, *compared]))
         return Answer(plan, arrays, tables)
 
 
@@ -279,6 +291,30 @@ def _iter_series(
                 of_samples[(*point, case, analysis)],
                 depends_on_contact(one.quantities, struck[case, analysis]),
             )
+
+
+def _iter_statements(plan: Plan, arrays: ResultArrays, question: Sensitivity) -> Iterator[Series]:
+    """Yield whether each statement of the study holds at all samples, and whether a part of it does.
+
+    A sample where a comparison is not known has neither.
+    """
+    samples_axis = len(plan.axes) - 1
+    quantities = [part for _, each in iter_comparisons(question.statements) for part in each.quantities]
+    values = _values_of_samples(arrays, question, name_variables(quantities) | {"kind", "gap"})
+    shape = values["status"].shape[: samples_axis + 1]
+    is_held: dict[str, list[np.ndarray]] = {}
+    for tested in iter_tested(question.statements, values):
+        held = tested.comparison.holds(tested.margin)
+        of_points = held.reshape(*held.shape[: samples_axis + 1], -1).min(axis=-1)  # NaN stays NaN
+        is_held.setdefault(tested.statement.name, []).append(np.broadcast_to(of_points, shape))
+    for name, held_by_comparison in is_held.items():
+        stacked = np.moveaxis(np.stack(held_by_comparison), samples_axis + 1, -1)
+        is_known = ~np.isnan(stacked).any(axis=0)
+        whole, part = (np.where(is_known, each, np.nan) for each in (stacked.min(axis=0), stacked.max(axis=0)))
+        for words, of_samples in ((name, whole), (f"{name}, at least in part", part)):
+            if len(held_by_comparison) > 1 or words == name:
+                for point in np.ndindex(of_samples.shape[:-1]):
+                    yield Series(point, "", "", words, "", of_samples[point])
 
 
 def _values_of_samples(arrays: ResultArrays, question: Sensitivity, names: set[str]) -> Values:

@@ -21,10 +21,8 @@ class SensitivitySpec(Model):
         "statements whose probability is computed, one or a list: an output above (`>`) or below (`<`) a value, e.g. "
         "`largest mu in soft > 4`, `drift > 2 cm`, `impacts > 0`",
     )
-    claims: Literal["all"] | None = spec_field(
-        None,
-        "`all`: also the probability of every statement of the paper about the figure that `claims:` of the "
-        "study names",
+    statements: Literal["all"] | None = spec_field(
+        None, "`all`: also the probability that each of the study's `statements` holds"
     )
     method: Literal["sobol", "morris"] = spec_field(
         "sobol",

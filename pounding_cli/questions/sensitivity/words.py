@@ -117,7 +117,8 @@ def list_references(resolved: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 def iter_outputs(results: ResultTables) -> Iterator[pd.DataFrame]:
     """Yield the indices of every output at one point of the other swept keys, the most influential key first."""
     frame = results.answer(INDICES).frame
-    frame = _shown_point(results).rows_here(frame[frame["case"] != ""])  # of claims the probabilities say it all
+    has_case = frame["case"] != ""  # of statements of the study the probabilities say it all
+    frame = _shown_point(results).rows_here(frame[has_case])
     frame = frame.sort_values(_influence_column(results), ascending=False, kind="stable")
     indices = frame.columns[frame.columns.str.match("(first|total)(_|$)")]
     frame = frame.assign(**frame[indices].mask(frame[indices].abs() < NEGLIGIBLE, 0.0))
@@ -350,7 +351,7 @@ def _view_probabilities(results: ResultTables) -> Table:
         return describe_output(row["statement"]) if row["case"] else row["statement"].partition(", ")[0]
 
     def write_below(row: Row) -> str:
-        """Return which reading of a claim it is, or that the statement depends on the contact stiffness."""
+        """Return that it is a part of a statement, or that the statement depends on the contact stiffness."""
         if has_contact_words(results, row):
             return ON_CONTACT
         return "" if row["case"] else row["statement"].partition(", ")[2]

@@ -1,8 +1,8 @@
-"""Several results files on one page: the tables of their answers under each other, and their claims."""
+"""Several results files on one page: the tables of their answers, and their statements side by side."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from pounding_cli.numbers import NOTHING
-from pounding_cli.paper.verdicts import format_finding, format_verdict, judge_claims
+from pounding_cli.questions.run.statements import FAILS, STATEMENTS, format_value, list_verdicts
 from pounding_cli.report.document import Report
+from pounding_cli.report.evidence import format_point
 from pounding_cli.tables import Row, Table
 from pounding_cli.texts import escape_formulas, write_markdown
 
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def write_comparison(results: Mapping[str, ResultTables], reports: Sequence[Report], folder: Path) -> list[Path]:
-    """Write `comparison.md`, and `comparison.csv` where some study names a figure of the paper; return the files.
+    """Write `comparison.md`, and `comparison.csv` where some study has statements; return the files.
 
     Parameters
     ----------
@@ -42,12 +43,12 @@ def write_comparison(results: Mapping[str, ResultTables], reports: Sequence[Repo
         }
         for tables in zip_longest(*tables_by_file.values()):
             lines += _compare_tables(dict(zip(tables_by_file, tables, strict=True)))
-    claims = _collect_claims(results)
+    statements = collect_statements(results)
     files = [folder / "comparison.md"]
-    if len(claims):
-        lines += _compare_claims(claims)
+    if len(statements):
+        lines += compare_statements(statements)
         files.append(folder / "comparison.csv")
-        escape_formulas(claims).to_csv(files[-1], index=False)
+        escape_formulas(statements).to_csv(files[-1], index=False)
     write_markdown(files[0], lines)
     return files
 
@@ -78,39 +79,56 @@ def _number_alike(heads: Iterable[str]) -> list[str]:
     return numbered
 
 
-def _collect_claims(results: Mapping[str, ResultTables]) -> pd.DataFrame:
-    """Return the numbers of the paper's claims at every point of every file; empty where no study names a figure."""
+def collect_statements(results: Mapping[str, ResultTables]) -> pd.DataFrame:
+    """Return the numbers of the statements of every file, with their places in the column `where`; empty where no study
+    has statements."""
     frames = []
     for name, each in results.items():
-        if each.workflow == "run":
-            numbers = judge_claims(each)
-            frames.append(numbers.assign(where=f"{name}: " + numbers["where"] if each.axes else name))
+        if STATEMENTS not in each.answers:
+            continue
+        frame = each.answer(STATEMENTS).frame
+        keys = [key for key in each.axes if key in frame]
+        places = [
+            format_point(each, {key: row[key] for key in keys if row[key] not in ("", None) and row[key] == row[key]})
+            for row in frame.to_dict("records")
+        ]
+        frame = frame.drop(columns=keys)
+        frame.insert(0, "where", [f"{name}: {place}" if place else name for place in places])
+        frames.append(frame)
     return pd.concat(frames) if frames else pd.DataFrame()
 
 
-def _compare_claims(claims: pd.DataFrame) -> Iterator[str]:
-    """Yield the verdicts on the claims and their numbers, those that miss their threshold in bold."""
-    yield from ("", "## The paper’s claims", "")
-    yield from _compare_side_by_side(claims, "claim", "claim", format_verdict)
-    yield from ("", "Numbers found; those that miss their threshold are bold.", "")
-    yield from _compare_side_by_side(claims, "finding", "number found", _emphasize_missed)
+def compare_statements(statements: pd.DataFrame) -> Iterator[str]:
+    """Yield the verdicts on statements and their numbers, those that miss their bound in bold."""
+    yield from ("", "## Statements", "")
+    verdicts = [
+        {"statement": verdict.name, "where": where, "cell": str(verdict)}
+        for where, rows in statements.groupby("where", sort=False)
+        for verdict in list_verdicts(rows)
+    ]
+    yield from _compare_side_by_side(pd.DataFrame(verdicts), "statement", "statement")
+    yield from ("", "Numbers found; those that miss their bound are bold.", "")
+    numbers = statements.assign(cell=[_emphasize_missed(row) for row in statements.to_dict("records")])
+    places = numbers[["case", "analysis"]].apply(lambda row: ", ".join(filter(None, row)), axis=1)
+    numbers["comparison"] = [
+        f"{name}: {text}{f' ({place})' if place else ''}"
+        for name, text, place in zip(numbers["statement"], numbers["comparison"], places, strict=True)
+    ]
+    yield from _compare_side_by_side(numbers, "comparison", "number found")
 
 
 def _emphasize_missed(row: Row) -> str:
-    """Return the number of a row, bold where it misses its threshold."""
-    text = format_finding(row)
-    is_missed: bool = not pd.isna(row["passed"]) and not row["passed"]
-    return f"**{text}**" if is_missed else text
+    """Return the number of a row, bold where it misses its bound."""
+    text = format_value(row["number"], row["unit"], row["written_unit"])
+    return f"**{text}**" if row["outcome"] == FAILS else text
 
 
-def _compare_side_by_side(
-    claims: pd.DataFrame, down: str, heading: str, format_cell: Callable[[Row], str]
-) -> list[str]:
-    """Return a table in Markdown with a row a value of a column and a column a place, in the order of the frame."""
-    places = list(dict.fromkeys(claims["where"]))
+def _compare_side_by_side(frame: pd.DataFrame, down: str, heading: str) -> list[str]:
+    """Return the cells of a frame as a table in Markdown with a row a value of a column and a column a place."""
+    places = list(dict.fromkeys(frame["where"]))
     cells: dict[str, dict[str, str]] = {}
-    for row in claims.to_dict("records"):
-        cells.setdefault(row[down], {}).setdefault(row["where"], format_cell(row))
+    for row in frame.to_dict("records"):
+        cells.setdefault(row[down], {}).setdefault(row["where"], row["cell"])
     rows = [[name, *(by_place.get(place, NOTHING) for place in places)] for name, by_place in cells.items()]
     return format_markdown_table([heading, *places], rows)
 

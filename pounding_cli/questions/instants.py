@@ -1,0 +1,107 @@
+"""Numbers at an instant of a kept history: where a floor is when it meets its neighbour, and when that is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pounding_cli.study.expression import Instant, TableQuantity
+
+if TYPE_CHECKING:
+    from pounding_cli.results.arrays import ResultArrays
+
+_TIME, _VELOCITY = "time", "velocity"
+
+
+class Instants:
+    """The kept histories of a plan, asked for numbers at instants.
+
+    shape : of the rows of the plan: sweep, cases, analyses, motions
+    histories : index of a row, and its history
+    gaps : of the links, shape (sweep, cases, links) [m]
+    """
+
+    def __init__(
+        self,
+        shape: Sequence[int],
+        histories: Iterable[tuple[tuple[int, ...], ResultArrays]],
+        gaps: np.ndarray | None,
+    ) -> None:
+        self.shape = tuple(shape)
+        self.histories = list(histories)
+        self.gaps = gaps
+
+    def __call__(self, quantity: TableQuantity) -> np.ndarray:
+        """Return a quantity at its instant in every row; NaN of rows that are not kept, or that lack the instant."""
+        found = np.full(self.shape, np.nan)
+        for index, history in self.histories:
+            gaps = None if self.gaps is None else self.gaps[index[:-2]]
+            found[index] = find_at_instant(history, quantity, gaps)
+        return found
+
+
+def find_at_instant(history: ResultArrays, quantity: TableQuantity, gaps: np.ndarray | None) -> float:
+    """Return a quantity of a history at an instant, between its samples; NaN where there is no such instant [SI].
+
+    gaps : of the links [m]
+    """
+    assert quantity.instant is not None
+    times = history["time"].values.astype(float)
+    instant = find_instant(history, quantity, times, gaps)
+    if not times[0] <= instant <= times[-1]:
+        return np.nan
+    if quantity.name == _TIME:
+        return instant
+    return float(np.interp(instant, times, read_series(history, quantity.name, quantity, times)))
+
+
+def find_instant(
+    history: ResultArrays, quantity: TableQuantity, times: np.ndarray, gaps: np.ndarray | None
+) -> float:  # fmt: skip
+    """Return when an instant is [s]; NaN where it never comes."""
+    instant = quantity.instant
+    assert instant is not None
+    if instant.kind == _TIME:
+        return instant.delay
+    if instant.kind in ("largest", "smallest"):
+        series = read_series(history, instant.quantity, quantity, times)
+        most = series.argmax() if instant.kind == "largest" else series.argmin()
+        return float(times[most]) + instant.delay
+    crossings = find_crossings(history, instant, times, gaps)
+    place = instant.number - 1 if instant.number > 0 else instant.number
+    if not -len(crossings) <= place < len(crossings):
+        return np.nan
+    return float(crossings[place]) + instant.delay
+
+
+def find_crossings(
+    history: ResultArrays, instant: Instant, times: np.ndarray, gaps: np.ndarray | None
+) -> np.ndarray:  # fmt: skip
+    """Return the times at which the first two floors of the row meet, or the last ones part [s]."""
+    if gaps is None or not gaps.size:
+        return np.array([])
+    depth = np.nanmax(history["closing"].values.astype(float) - gaps, axis=1)
+    values = depth if instant.kind == "contact" else -depth
+    before = np.flatnonzero((values[:-1] < 0) & (values[1:] >= 0))
+    part = values[before] / (values[before] - values[before + 1])
+    return np.asarray(times[before] + part * np.diff(times)[before])
+
+
+def read_series(history: ResultArrays, name: str, quantity: TableQuantity, times: np.ndarray) -> np.ndarray:
+    """Return a quantity over time, shape (times,): of the building, the storey or the floor that is named; of several
+    that are not told apart the one with the largest value."""
+    array = history["displacement" if name == _VELOCITY else name]
+    values = array.values.astype(float)
+    if "building" in array.dims:
+        if quantity.building is not None:
+            values = values[:, [quantity.building]]
+        if quantity.level:
+            values = values[..., [quantity.level - 1]]
+    series = values.reshape(len(times), -1)
+    series = series[:, np.isfinite(series).all(axis=0)]
+    if not series.shape[1]:
+        return np.full(len(times), np.nan)
+    chosen = series[:, np.abs(series).max(axis=0).argmax()]
+    return np.gradient(chosen, times) if name == _VELOCITY else chosen

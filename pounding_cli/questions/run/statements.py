@@ -1,0 +1,307 @@
+"""What becomes of the statements of a study: every number that tests one, its margin, and the verdict."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from pounding_cli.numbers import NOTHING, Unit, format_number
+from pounding_cli.questions.expressions import (
+    EVERY,
+    FindAtInstant,
+    Values,
+    collect_values,
+    evaluate_parts,
+    find_margin,
+    find_spread,
+    name_variables,
+)
+from pounding_cli.questions.frames import PURE_NUMBER, list_swept_columns
+from pounding_cli.questions.instants import Instants
+from pounding_cli.study.statements import StudyStatement, iter_comparisons
+from pounding_cli.tables import Column, Row, Table, build_table
+from pounding_cli.units import parse_unit
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from pounding_cli.results.arrays import ResultArrays
+    from pounding_cli.results.results import ResultTables
+    from pounding_cli.study.expression import Statement
+    from pounding_cli.study.plan import Plan
+
+STATEMENTS = "statements"
+"""Name of the table."""
+
+HOLDS, FAILS, UNDECIDED, UNKNOWN = "holds", "does not hold", "undecided", "not tested"
+"""Outcomes of a comparison: it is met, missed, met or missed by less than the numerical error, without a number."""
+PARTLY = "holds partly"
+"""Verdict on a statement some of whose comparisons hold."""
+
+ERROR, SENSITIVITY = "numerical error", "change of the motion by 0.1 %"
+"""What may turn an outcome."""
+
+TURNS_MARK = "~"
+"""Stands behind a verdict that a small change of the motion may turn."""
+
+SMALL_CHANGE = 1e-3
+"""Change of a motion that its digits leave open: records are written with three or four [-]."""
+
+STATEMENT_COLUMNS = (
+    Column("statement", "name of the statement"),
+    Column("says", "its words"),
+    Column("source", "where they stand"),
+    Column("reading", "how they are read"),
+    Column("comparison", "what is tested"),
+    Column("case", "case; empty where the comparison names its cases, or where it depends on none"),
+    Column("analysis", "analysis, likewise"),
+    Column("number", "number that decides, in its SI unit; of several motions that of the worst", digits=4),
+    Column("unit", "SI unit of the number; empty of a pure number"),
+    Column("written_unit", "unit in which the study writes it; empty where it writes none"),
+    Column("bound", "what it should be"),
+    Column("printed", "what the source prints for it, in its SI unit; NaN of a comparison", digits=4),
+    Column("margin", "by how much the comparison is met, below 0 where it is missed, in its SI unit", digits=3),
+    Column("error", "numerical error of the margin; NaN where no run was solved more finely", digits=2),
+    Column(
+        "sensitivity", "change of the margin under a small change of the motion; NaN where it is not known", digits=2
+    ),
+    Column("met", "motions under which the comparison is met", PURE_NUMBER, digits=0),
+    Column("motions", "motions under which it is tested one by one; 1 of a mean", PURE_NUMBER, digits=0),
+    Column("outcome", f"`{HOLDS}`, `{FAILS}`, `{UNDECIDED}` within the numerical error, or `{UNKNOWN}`"),
+    Column("turns", f"`{ERROR}` or `{SENSITIVITY}` where that may turn the outcome; empty elsewhere"),
+)
+"""The table `statements`: a row a comparison at a point of the sweep, in a case and analysis."""
+
+
+class Tested(NamedTuple):
+    """A comparison, tested; arrays over sweep, cases, analyses and motions, of length 1 where these do not matter.
+
+    parts : values of the parts of the comparison, one by one
+    margin, error, sensitivity : by how much it is met, and what moves that [SI]
+    """
+
+    statement: StudyStatement
+    comparison: Statement
+    parts: tuple[np.ndarray, ...]
+    margin: np.ndarray
+    error: np.ndarray
+    sensitivity: np.ndarray
+
+
+def iter_tested(
+    statements: list[StudyStatement], values: Values, instants: FindAtInstant | None = None
+) -> Iterator[Tested]:  # fmt: skip
+    """Yield every comparison of statements with its numbers."""
+    for statement, comparison in iter_comparisons(statements):
+        over = statement.over_motions
+        arrays = [
+            find_margin(comparison, values, over, instants),
+            find_spread(comparison.quantities, comparison.margin, values, over, "error", instants),
+            SMALL_CHANGE * find_spread(comparison.quantities, comparison.margin, values, over, "sensitivity", instants),
+            *evaluate_parts(comparison, values, over, instants),
+        ]
+        if over != EVERY:
+            arrays = [each[..., None] if each.ndim else each for each in arrays]
+        margin, error, sensitivity, *parts = np.broadcast_arrays(*arrays)
+        yield Tested(statement, comparison, tuple(parts), margin, error, sensitivity)
+
+
+def find_values(plan: Plan, arrays: ResultArrays, statements: list[StudyStatement]) -> Values:
+    """Return the variables that statements rest on."""
+    quantities = [part for _, each in iter_comparisons(statements) for part in each.quantities]
+    axes = [axis.names[0] for axis in plan.axes]
+    return collect_values(arrays, axes, sorted(name_variables(quantities) | {"kind", "gap"}))
+
+
+def build_statement_table(
+    plan: Plan,
+    arrays: ResultArrays,
+    statements: list[StudyStatement],
+    histories: Iterable[tuple[tuple[int, ...], ResultArrays]],
+) -> Table:
+    """Return the table of the statements of a study.
+
+    histories : kept ones, with the index of their rows
+    """
+    import pandas as pd
+
+    values = find_values(plan, arrays, statements)
+    gaps = None
+    if "gap" in values:
+        gaps = np.broadcast_to(values["gap"][..., 0, 0, :], (*plan.shape[:-2], values["gap"].shape[-1]))
+    instants = Instants(plan.shape, histories, gaps)
+    rows: list[dict[str, Any]] = []
+    for tested in iter_tested(statements, values, instants):
+        shape = tested.margin.shape
+        for *point, case, analysis in np.ndindex(shape[:-1]):
+            row: dict[str, Any] = {}
+            for axis, place, size in zip(plan.axes, point, shape, strict=False):
+                is_free = size == len(axis)  # else the comparison names its point, or does not depend on it
+                for name, value in zip(axis.names, axis.values[place], strict=True):
+                    row[name] = value if is_free else "" if isinstance(value, str) else math.nan
+            row |= judge(tested, (*point, case, analysis))
+            row["case"] = plan.cases[case] if shape[-3] == len(plan.cases) > 1 else ""
+            row["analysis"] = plan.analyses[analysis] if shape[-2] == len(plan.analyses) > 1 else ""
+            rows.append(row)
+    keys = [name for axis in plan.axes for name in axis.names]
+    frame = pd.DataFrame(rows, columns=[*keys, *(column.name for column in STATEMENT_COLUMNS)])
+    return build_table(STATEMENTS, frame, [*list_swept_columns(plan.axes), *STATEMENT_COLUMNS])
+
+
+def judge(tested: Tested, at: tuple[int, ...]) -> dict[str, Any]:
+    """Return the row of a comparison at one place: number, margin and outcome, of several motions of the worst."""
+    margins = tested.margin[at]
+    held = tested.comparison.holds(margins)
+    is_known = ~np.isnan(margins)
+    worst = int(np.nanargmin(margins)) if is_known.any() else 0
+    place = (*at, worst)
+    margin, error, sensitivity = (float(each[place]) for each in (tested.margin, tested.error, tested.sensitivity))
+    number, bound = _tell_step(tested.comparison, [float(each[place]) for each in tested.parts])
+    outcome = UNKNOWN if not is_known.all() else HOLDS if held[worst] == 1 else FAILS
+    turns = SENSITIVITY if abs(margin) <= sensitivity else ""
+    if abs(margin) <= error:
+        outcome, turns = (UNDECIDED if outcome != UNKNOWN else UNKNOWN), ERROR
+    statement = tested.statement
+    return {
+        "statement": statement.name,
+        "says": statement.says,
+        "source": statement.source,
+        "reading": statement.reading,
+        "comparison": tested.comparison.text,
+        "number": number,
+        "written_unit": tested.comparison.written_unit,
+        "bound": bound,
+        "unit": tested.comparison.first.unit,
+        "printed": math.nan if statement.printed is None else statement.printed,
+        "margin": margin,
+        "error": error,
+        "sensitivity": sensitivity,
+        "met": int((held == 1).sum()),
+        "motions": int(is_known.size),
+        "outcome": outcome,
+        "turns": turns if is_known.all() else "",
+    }
+
+
+def _tell_step(comparison: Statement, parts: Sequence[float]) -> tuple[float, str]:
+    """Return the number that decides a comparison, and what it should be.
+
+    parts : values of its parts [SI]
+    """
+    unit = comparison.first.unit
+    steps = [float(each) for each in comparison.find_steps([np.asarray(each) for each in parts])]
+    place = int(np.argmin(steps)) if np.isfinite(steps).any() else 0
+    sign, left, right = comparison.signs[place], parts[place], parts[place + 1]
+    if isinstance(comparison.parts[place], float):  # the number stands at the right
+        sign, left, right = sign.translate(str.maketrans("<>", "><")), right, left
+    return left, f"{sign} {format_value(right, unit, comparison.written_unit)}"
+
+
+# Verdicts
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The verdict on a statement.
+
+    name, says, source, reading : of the statement
+    rows : of the table that test it
+    """
+
+    name: str
+    says: str
+    source: str
+    reading: str
+    rows: Sequence[Row]
+
+    @property
+    def word(self) -> str:
+        """The verdict: holds where all tests do."""
+        outcomes = {row["outcome"] for row in self.rows} - {UNKNOWN}
+        if not outcomes:
+            return UNKNOWN
+        if outcomes == {HOLDS}:
+            return HOLDS
+        if HOLDS in outcomes:
+            return PARTLY
+        return UNDECIDED if UNDECIDED in outcomes else FAILS
+
+    @property
+    def count(self) -> str:
+        """How many of several tests are met, and under how many motions where each is looked at; "" where all are."""
+        tested = [row for row in self.rows if row["outcome"] != UNKNOWN]
+        motions = sum(int(row["motions"]) for row in tested)
+        met = sum(int(row["met"]) for row in tested)
+        if any(row["motions"] > 1 for row in tested):
+            return f"{met} of {motions} motions" if met < motions else ""
+        held = sum(row["outcome"] == HOLDS for row in tested)
+        return f"{held} of {len(tested)}" if 0 < held < len(tested) else ""
+
+    @property
+    def turns(self) -> str:
+        """What may turn an outcome of a test; "" where nothing may."""
+        found = {row["turns"] for row in self.rows}
+        return ERROR if ERROR in found else SENSITIVITY if SENSITIVITY in found else ""
+
+    def __str__(self) -> str:
+        """The verdict, how many of several tests hold, and what may turn it."""
+        count = f" ({self.count})" if self.count else ""
+        return f"{self.word}{count}{f' {TURNS_MARK}' if self.turns == SENSITIVITY else ''}"
+
+
+def list_verdicts(frame: pd.DataFrame) -> list[Verdict]:
+    """Return the verdicts on the statements of a table `statements`, in the order of the study."""
+    verdicts = []
+    for name, rows in frame.groupby("statement", sort=False):
+        says, source, reading = (str(rows[key].iloc[0]) for key in ("says", "source", "reading"))
+        verdicts.append(Verdict(str(name), says, source, reading, rows.to_dict("records")))
+    return verdicts
+
+
+def format_value(value: float, unit: str, written: str = "") -> str:
+    """Return a number of a statement with its unit.
+
+    unit : SI
+    written : the unit in which the study writes it; "" where it writes none
+    """
+    if not math.isfinite(value):
+        return NOTHING
+    factor = 0.01 if written == "%" else parse_unit(written)[0] if written else 1.0
+    return f"{format_number(value / factor, 4)} {written or unit}".rstrip()
+
+
+def view_verdicts(results: ResultTables) -> Table:
+    """Return the table that a terminal and a page show: a row a statement, with the number that decides it."""
+    import pandas as pd
+
+    rows = []
+    for verdict in list_verdicts(results.answer(STATEMENTS).frame):
+        worst = min(verdict.rows, key=lambda row: row["margin"] if math.isfinite(row["margin"]) else math.inf)
+        printed, unit, written = (worst[key] for key in ("printed", "unit", "written_unit"))
+        rows.append({
+            "statement": verdict.name,
+            "number": format_value(worst["number"], unit, written),
+            "bound": worst["bound"] if math.isnan(printed) else format_value(printed, unit, written),
+            "verdict": str(verdict),
+        })  # fmt: skip
+    text = Unit("", 1.0, "")
+    columns = (
+        Column("statement", "name of the statement", text),
+        Column("number", "number found, of several the worst", text, label="found"),
+        Column("bound", "what it should be, or what its source prints", text, label="should be"),
+        Column("verdict", "verdict", text),
+    )
+    is_marked = any(TURNS_MARK in row["verdict"] for row in rows)
+    caption = f"Statements ({TURNS_MARK}: a {SENSITIVITY} may turn the verdict)" if is_marked else "Statements"
+    return Table("", pd.DataFrame(rows, columns=[each.name for each in columns]), columns, caption)
+
+
+def summarize_verdicts(results: ResultTables) -> str:
+    """Return how many statements hold, in a sentence."""
+    words = [verdict.word for verdict in list_verdicts(results.answer(STATEMENTS).frame)]
+    counts = [f"{words.count(word)} {word}" for word in dict.fromkeys(words)]
+    return f"Of {len(words)} statements: {', '.join(counts)}."

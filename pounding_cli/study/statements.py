@@ -1,0 +1,116 @@
+"""The statements of a study: what should hold of its results, as comparisons over the tables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from pydantic_core import PydanticCustomError
+
+from pounding_cli.study.expression import ExpressionError, Scope, Statement, parse_expression, parse_statement
+from pounding_cli.study.quantity import Quantity, written_unit
+
+if TYPE_CHECKING:
+    from pounding_cli.study.issues import KeyPath
+    from pounding_cli.study.schema import StatementSpec
+
+SHARES = ("%", "percent", "pct")
+
+
+@dataclass(frozen=True)
+class StudyStatement:
+    """A statement of a study.
+
+    name : short, for tables
+    says, source, reading : its words, where they stand, how they are read
+    comparisons : all of them hold where it does
+    printed : what its number should be, by its source [SI]; None of one that compares
+    over_motions : `mean`, `largest`, `smallest` or `each`
+    """
+
+    name: str
+    says: str
+    source: str
+    reading: str
+    comparisons: tuple[Statement, ...]
+    printed: float | None
+    over_motions: str
+
+    @property
+    def needs_histories(self) -> bool:
+        """Whether it rests on a number of an instant."""
+        return any(part.instant is not None for each in self.comparisons for part in each.quantities)
+
+
+Fault = tuple["KeyPath", str, str]
+"""Place below `statements`, what is wrong, what to write."""
+
+
+def parse_statements(specs: tuple[StatementSpec, ...], scope: Scope) -> tuple[list[StudyStatement], list[Fault]]:
+    """Return the statements of a study, and what is wrong with them."""
+    statements: list[StudyStatement] = []
+    faults: list[Fault] = []
+    for number, spec in enumerate(specs):
+        name = spec.name or str(number + 1)
+        if name in [each.name for each in statements]:
+            faults.append(((number, "name"), f"two statements are called '{name}'", "give one another name"))
+        comparisons: list[Statement] = []
+        printed = None
+        for place, text in enumerate(spec.holds):
+            try:
+                comparisons.append(parse_statement(text, scope))
+            except ExpressionError as error:
+                faults.append(((number, "holds", place), *error.args))
+        if spec.number is not None:
+            try:
+                comparison, printed = parse_number(spec, scope)
+                comparisons.append(comparison)
+            except ExpressionError as error:
+                faults.append(((number, error.args[2] if len(error.args) > 2 else "number"), *error.args[:2]))
+        statements.append(
+            StudyStatement(name, spec.says, spec.source, spec.reading, tuple(comparisons), printed, spec.over_motions)
+        )
+    return statements, faults
+
+
+def parse_number(spec: StatementSpec, scope: Scope) -> tuple[Statement, float]:
+    """Return that a number is what its source prints, within what a statement allows, and what that is [SI].
+
+    Raises
+    ------
+    ExpressionError : what is wrong, what to write, and the key where that is another one than `number`
+    """
+    assert spec.number is not None
+    assert spec.is_ is not None
+    assert spec.within is not None
+    expression = parse_expression(spec.number, scope)
+    printed = _read_value("is", spec.is_, expression.unit)
+    if written_unit(spec.within) in SHARES and printed:
+        within = abs(printed) * _read_value("within", spec.within, "")
+    else:
+        within = _read_value("within", spec.within, expression.unit)
+    text = f"{expression} = {spec.is_}"
+    return Statement(
+        text, (printed - within, expression, printed + within), ("<=", "<="), written_unit(spec.is_)
+    ), printed
+
+
+def _read_value(key: str, written: str, unit: str) -> float:
+    """Return a value with its unit in SI.  Raises ExpressionError."""
+    example = f"3 {unit}".rstrip()
+    hint = f"write e.g. `{key}: {example}`"
+    try:
+        number = float(Quantity(key, unit, example).read(written))
+    except PydanticCustomError as error:
+        raise ExpressionError((error.context or {})["message"], hint, key) from None
+    if unit and not written_unit(written):
+        raise ExpressionError(f"'{written}' has no unit", hint, key)
+    return number
+
+
+def iter_comparisons(statements: list[StudyStatement]) -> Iterator[tuple[StudyStatement, Statement]]:
+    """Yield every comparison with its statement."""
+    for statement in statements:
+        for comparison in statement.comparisons:
+            yield statement, comparison
