@@ -156,6 +156,7 @@ def find_spread(
         if part.instant is not None or part.name in (*FACTS, *OF_MOTIONS):
             continue
         if kind == "sensitivity" and part.name in NO_PEAKS:
+            total = total * np.nan
             continue
         error = _find_error(part.name, values, kind)
         total = total + np.abs(evaluate_with(part, error) - evaluate_with(part, -error)) / 2

@@ -259,7 +259,7 @@ def parse_expression(text: str, scope: Scope) -> Expression:
         raise ExpressionError(f"'{text}': {message}", hint) from None
     if not quantities or "#" in arithmetic:
         raise ExpressionError(f"'{text}': it takes nothing from the tables", hint)
-    return Expression(text, unit, tuple(quantities), work)
+    return Expression(text, "" if unit in (None, _MIXED) else unit, tuple(quantities), work)
 
 
 def _place_pattern(scope: Scope) -> str:
@@ -386,7 +386,7 @@ def _take_place(places: _Places, written: str, scope: Scope) -> None:
 
 
 _INSTANT = re.compile(
-    r"(?:(?P<time>\S+ ?[A-Za-zµ]+)(?:\s+(?P<side>after|before)\s+|\Z))?"
+    r"(?:(?P<time>[-+.0-9]\S* ?[A-Za-zµ]+)(?:\s+(?P<side>after|before)\s+|\Z))?"
     r"(?:(?P<kind>contact|release)\s+(?P<number>-?[1-9][0-9]*)|(?P<most>largest|smallest)\s+(?P<quantity>\w+))?\Z"
 )
 _INSTANT_HINT = "write e.g. `[1.1 s]`, `[contact 1]`, `[release 1]`, `[0.2 ms after contact 1]` or `[largest closing]`"
@@ -489,11 +489,16 @@ def _check_level(written: str, is_of_floors: bool, owner: str) -> int:
     return int(number)
 
 
-def _compile_node(node: ast.expr, quantities: Sequence[TableQuantity]) -> tuple[str, Work]:
-    """Return the unit of a part of an expression, and the function that computes it.  Raises ExpressionError."""
+_MIXED = "?"
+"""Unit of numbers whose parts have different ones."""
+
+
+def _compile_node(node: ast.expr, quantities: Sequence[TableQuantity]) -> tuple[str | None, Work]:
+    """Return the unit of a part of an expression, None of a plain number, and the function that computes it.  Raises
+    ExpressionError."""
     match node:
         case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
-            return "", lambda value: np.asarray(float(number))
+            return None, lambda value: np.asarray(float(number))
         case ast.Name(id=name) if name not in _FUNCTIONS:
             quantity = quantities[int(name[1:])]
             known = {**QUANTITIES, **LINE} if quantity.instant is None else HISTORY
@@ -502,23 +507,25 @@ def _compile_node(node: ast.expr, quantities: Sequence[TableQuantity]) -> tuple[
             unit, work = _compile_node(inner, quantities)
             return unit, lambda value: -work(value)
         case ast.BinOp(op=sign, left=left, right=right) if type(sign) in _SIGNS:
-            return _compile_operation(_SIGNS[type(sign)], [left, right], quantities, type(sign) in _KEEP_UNIT)
+            return _compile_operation(_SIGNS[type(sign)], [left, right], quantities, type(sign))
         case ast.Call(func=ast.Name(id=name), args=inner, keywords=[]) if name in _FUNCTIONS:
             if (len(inner) > 1) != (name in _SEVERAL):
                 raise ExpressionError(f"{name} takes {'two values or more' if name in _SEVERAL else 'one value'}")
-            return _compile_operation(_FUNCTIONS[name], inner, quantities, name in _KEEP_UNIT)
+            return _compile_operation(_FUNCTIONS[name], inner, quantities, name)
     raise ExpressionError(
         "only numbers of the tables, + - * /, brackets, max, min, abs, sqrt, log and exp are understood"
     )
 
 
 def _compile_operation(
-    work: Callable[..., np.ndarray], nodes: Sequence[ast.expr], quantities: Sequence[TableQuantity], keeps_unit: bool
-) -> tuple[str, Work]:
+    work: Callable[..., np.ndarray], nodes: Sequence[ast.expr], quantities: Sequence[TableQuantity], kind: Any
+) -> tuple[str | None, Work]:
     """Return the unit of parts that are joined, two at a time where there are several, and the function that computes
-    them."""
+    them.
+
+    kind : of the operation: a type of `ast`, or the name of a function
+    """
     parts = [_compile_node(node, quantities) for node in nodes]
-    units = {unit for unit, _ in parts}
 
     def operate(value: Value) -> np.ndarray:
         first, *others = (part(value) for _, part in parts)
@@ -528,8 +535,25 @@ def _compile_operation(
             first = work(first, other)
         return first
 
-    unit = units.pop() if keeps_unit and len(units) == 1 else ""
-    return unit, operate
+    return _find_unit([unit for unit, _ in parts], kind), operate
+
+
+def _find_unit(units: Sequence[str | None], kind: Any) -> str | None:
+    """Return the unit of an operation on parts with units; plain numbers take that of what they are added to."""
+    known = [unit for unit in units if unit is not None]
+    if not known:
+        return None
+    if kind in _KEEP_UNIT:
+        return known[0] if len(set(known)) == 1 else _MIXED
+    if kind is ast.Mult:
+        factors = [unit for unit in known if unit]
+        return factors[0] if len(factors) == 1 else _MIXED if factors else ""
+    if kind is ast.Div:
+        above, below = units
+        if below in (None, ""):
+            return above or ""
+        return "" if above == below != _MIXED else _MIXED
+    return "" if set(known) == {""} else _MIXED
 
 
 # Statements

@@ -14,7 +14,7 @@ from pounding_cli.cli.main import cli
 
 STUDY = """\
 title: Two buildings <known> & small
-claims: fig6
+statements: [{says: the infill lowers the response, holds: mean V_ratio in case infill < mean V_ratio in touching}]
 records: {use: [elcentro, taft], duration: 3 s}
 buildings:
   stiff: {storeys: 3, period: 0.3 s, mass: 200 t}

@@ -21,7 +21,7 @@ from tests.night import NIGHTLY
 
 from .conftest import TWO
 
-FOUR = TWO.replace("title", "claims: fig6\ntitle").replace(
+FOUR = TWO.replace("title", "statements: [{says: it moves, name: moves, holds: drift > 0 cm}]\ntitle").replace(
     "analyses:",
     """\
   infill: {link: infill, gap: 5 mm, stiffness: 1/5 mean storey of stiff}
@@ -87,7 +87,7 @@ def test_several_files_are_compared_on_one_page(made, folder, pound):
     assert code == 0
     assert out.splitlines()[-1] == "both/comparison.md"
     page = Path("both/comparison.md").read_text(encoding="utf-8")
-    assert "| claim | two | swept: impact.restitution = 0.4 |" in page
+    assert "| statement | two | swept: impact.restitution = 0.4 |" in page
     assert Path("both/two/report.html").is_file()
     assert Path("both/swept/report.html").is_file()
     assert Path("both/comparison.csv").is_file()
@@ -98,7 +98,7 @@ def test_several_files_are_compared_on_one_page(made, folder, pound):
 
 @NIGHTLY
 def test_several_files_of_any_study_are_compared(made, folder, pound):
-    """Of a study that names no figure of the paper, and of an answer. Fails if the page compares claims alone."""
+    """Of studies without statements, and of an answer. Fails if the page compares statements alone."""
     for name, gap in (("near", "5 mm"), ("wide", "50 cm")):
         Path(f"{name}.yaml").write_text(TWO.replace("gap: 5 mm", f"gap: {gap}").replace("Two small", f"{name} a|b"))
         pound("run", f"{name}.yaml", "-o", f"{name}.h5", "-q")
@@ -113,7 +113,7 @@ def test_several_files_of_any_study_are_compared(made, folder, pound):
     assert "| wide | gap | inelastic |" in page.split("## Ratios")[0]
     widths = report(pounding_cli.open_results(made / "gap.h5")).answer.tables[0]
     assert f"## {widths.caption}" in page
-    assert "claims" not in page
+    assert "Statements" not in page
     assert not Path("all/comparison.csv").exists()
 
 
@@ -124,8 +124,7 @@ def test_a_sweep_is_drawn_as_asked(made, folder, pound):
     for words in (">restitution<", "impact.restitution"):  # in words, and the key in small
         assert words in drawn
     assert pound("report", made / "swept.h5", "-q", "--no-figures", "-o", "page")[0] == 0
-    where = set(pd.read_csv("page/tables/claims.csv")["where"])
-    assert where == {"impact.restitution = 0.4", "impact.restitution = 0.5", "impact.restitution = 0.65"}
+    assert set(pd.read_csv("page/tables/statements.csv")["impact.restitution"]) == {0.4, 0.5, 0.65}
 
 
 @NIGHTLY

@@ -324,22 +324,18 @@ def test_a_refused_output_says_how_many_samples_have_no_value(folder):
     assert said == "sqrt(0 - μ) (case near, inelastic, mean of 2 motions): no index: 16 of 16 samples have no value."
 
 
-def test_claims_of_the_paper_refer_to_their_thresholds(folder):
-    changes = {
-        "claims": "fig6",
-        "records": {"use": ["elcentro"], "duration": "1 s"},
-        "group": ["A", "B"],
-        "cases": {
-            "touching": {"link": "pounding", "gap": "0 cm"},
-            "gap": {"link": "pounding", "gap": "5 cm"},
-            "infill": {"link": "infill", "gap": "5 cm", "stiffness": "1/5 mean storey of A"},
-        },
-        "sensitivity": {"claims": "all", "samples": 4, "draws": 100},
-    }
-    report = build_report(ask(folder, **changes))
-    assert any("Claims of the paper and their thresholds" in note for note in report.answer.notes)
-    assert "statements" in report.answer.sentences[0]
-    assert not any("Claims of the paper" in note for note in build_report(ask(folder)).answer.notes)
+def test_statements_of_the_study_have_probabilities(folder):
+    """One that always holds, one that never does, and one that holds in part."""
+    statements = [
+        {"says": "it moves", "name": "always", "holds": "drift > 0 cm"},
+        {"says": "it does not", "name": "never", "holds": "drift < 0 cm"},
+        {"says": "both", "name": "both", "holds": ["drift > 0 cm", "drift < 0 cm"]},
+    ]
+    changes = {"statements": statements, "sensitivity": {"statements": "all", "samples": 4, "draws": 100}}
+    results = ask(folder, **changes)
+    probabilities = results.table("sensitivity_probabilities").set_index("statement")["probability"].to_dict()
+    assert probabilities == {"always": 1.0, "never": 0.0, "both": 0.0, "both, at least in part": 1.0}
+    assert build_report(results).answer.sentences[0].startswith("always (all cases) holds with a probability of 1.00")
 
 
 def test_keys_of_a_plan_are_named_in_words(folder):

@@ -312,7 +312,7 @@ def _iter_statements(plan: Plan, arrays: ResultArrays, question: Sensitivity) ->
         is_known = ~np.isnan(stacked).any(axis=0)
         whole, part = (np.where(is_known, each, np.nan) for each in (stacked.min(axis=0), stacked.max(axis=0)))
         for words, of_samples in ((name, whole), (f"{name}, at least in part", part)):
-            if len(held_by_comparison) > 1 or words == name:
+            if words == name or not np.array_equal(whole, part, equal_nan=True):
                 for point in np.ndindex(of_samples.shape[:-1]):
                     yield Series(point, "", "", words, "", of_samples[point])
 

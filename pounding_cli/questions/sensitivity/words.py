@@ -79,7 +79,7 @@ def list_notes(results: ResultTables) -> list[str]:
         taken = f"An output of a sample is the {words}, storey by storey, before storeys are compared."
         notes.append(taken if is_mean else "Each sample rests on one motion.")
     if (~is_of_case).any():
-        notes.append("Claims of the paper and their thresholds: `pound report` of a run, or docs/reproduction.md.")
+        notes.append("What each statement of the study compares: `statements:` of the study, and `pound run`.")
     if failed := int(frame["failed"].max()):
         notes.append(
             f"Up to {failed} of {samples} have no value: a run failed or the quantity is undefined. Outputs with such "

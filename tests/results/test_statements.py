@@ -1,0 +1,347 @@
+"""Statements of a study: what they name, what their numbers are, and which verdict follows."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import pounding_cli as pound
+from pounding_cli.errors import InputError
+from pounding_cli.questions.comparison import collect_statements, compare_statements
+from pounding_cli.questions.run.statements import (
+    ERROR,
+    FAILS,
+    HOLDS,
+    PARTLY,
+    SENSITIVITY,
+    UNDECIDED,
+    UNKNOWN,
+    format_value,
+    list_verdicts,
+    view_verdicts,
+)
+from pounding_cli.study.expression import ExpressionError, Scope, parse_statement
+
+STUDY: dict[str, Any] = {
+    "title": "Statements",
+    "records": {"use": ["elcentro", "taft"], "duration": "3 s"},
+    "buildings": {
+        "stiff": {"storeys": 3, "period": "0.3 s", "mass": "200 t"},
+        "soft": {"like": "stiff", "storeys": 2, "period": "0.5 s"},
+    },
+    "group": ["soft", "stiff", "soft"],
+    "cases": {
+        "touching": {"link": "pounding", "gap": "0 cm"},
+        "near": {
+            "gap": "5 mm",
+            "links": [
+                {"link": "connector", "floors": [2], "stiffness": "1/5 mean storey of stiff"},
+                {"link": "pounding", "floors": "rest"},
+            ],
+        },
+    },
+    "sweep": {"impact.restitution": [0.4, 0.6]},
+    "analyses": ["elastic", "inelastic"],
+}
+
+SCOPE = Scope(("soft-1", "stiff", "soft-2"), ("touching", "near"), ("elastic", "inelastic"), ("taft",), ("pounding",))
+
+
+def solve(folder, *statements: dict[str, Any], **changes: Any) -> pound.Results:
+    """Return the results of the study with statements; what is solved is reused."""
+    study = {**STUDY, "statements": [{"says": "something", **each} for each in statements], **changes}
+    return pound.run(
+        {key: value for key, value in study.items() if value is not None}, folder / "r.h5", engine="serial"
+    )
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.delenv("POUND_RECORDS", raising=False)
+        patch.setenv("POUND_HOME", str(tmp_path_factory.mktemp("home")))
+        yield tmp_path_factory.mktemp("statements")
+
+
+@pytest.fixture(scope="module")
+def results(folder) -> pound.Results:
+    return solve(folder, {"holds": "mu > 0"})
+
+
+def mean_of_motions(frame: pd.DataFrame, column: str) -> pd.Series:
+    """The mean over the motions, storey by storey or link by link."""
+    keys = [key for key in ("building", "storey", "floor", "link") if key in frame]
+    return frame.groupby(keys, observed=True)[column].mean()
+
+
+def ratios_by_building(results: pound.Results, building: str) -> pd.Series:
+    """V/V0 of a building, the mean over the motions, storey by storey."""
+    return mean_of_motions(results.storey().query(STOREYS), "V_ratio").loc[building]
+
+
+STOREYS = "case == 'near' and analysis == 'elastic' and `impact.restitution` == 0.6"
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("mean V_ratio in near elastic stiff [impact.restitution = 0.6]",
+         lambda r: mean_of_motions(r.storey().query(STOREYS), "V_ratio").loc["stiff"].mean()),
+        ("V_ratio in near elastic soft-2 storey 2 [impact.restitution = 0.6]",
+         lambda r: mean_of_motions(r.storey().query(STOREYS), "V_ratio").loc["soft-2", 2]),
+        ("largest mean V_ratio in near elastic [impact.restitution = 0.6]",
+         lambda r: max(ratios_by_building(r, name).mean() for name in ("soft-1", "stiff", "soft-2"))),
+        ("smallest largest V_ratio in near elastic softer buildings [impact.restitution = 0.6]",
+         lambda r: min(ratios_by_building(r, name).max() for name in ("soft-1", "soft-2"))),
+        ("mean acceleration in near elastic stiffest building [impact.restitution = 0.6]",
+         lambda r: mean_of_motions(r.floor().query(STOREYS), "acceleration").loc["stiff"].mean()),
+        ("peak_force in near elastic connector links taft [impact.restitution = 0.6]",
+         lambda r: r.link().query(f"{STOREYS} and record == 'taft' and kind == 'connector'")["peak_force"].max()),
+        ("smallest max_closing in near elastic pounding links taft [impact.restitution = 0.6]",
+         lambda r: r.link().query(f"{STOREYS} and record == 'taft' and kind == 'pounding'")["max_closing"].min()),
+        ("gap in near connector links [impact.restitution = 0.6]", lambda r: 0.005),
+        ("period in stiff", lambda r: 0.3),
+        ("smallest period in softer buildings", lambda r: 0.5),
+        ("scale in taft", lambda r: r.records().set_index("record")["scale"]["taft"]),
+        ("energy_links in near elastic taft [impact.restitution = 0.6]",
+         lambda r: r.scene().query(f"{STOREYS} and record == 'taft'")["energy_links"].iloc[0]),
+    ],
+)  # fmt: skip
+def test_a_number_is_that_of_the_tables(folder, results, text, expected):
+    """Fails if a place, a point of the sweep or a reduction takes another row."""
+    found = solve(folder, {"holds": f"{text} > {text} * 0.5"}).table("statements")
+    assert found["number"].tolist() == pytest.approx([expected(results)], rel=1e-12)
+    assert found["margin"].tolist() == pytest.approx([expected(results) / 2], rel=1e-12)
+
+
+def test_what_a_statement_leaves_open_has_a_row_each(folder):
+    """Point, case and analysis; a mean of motions has one row."""
+    frame = solve(folder, {"holds": "drift in stiff > 0 cm"}).table("statements")
+    assert len(frame) == 2 * 2 * 2
+    assert set(frame["case"]) == {"touching", "near"}
+    assert set(frame["analysis"]) == {"elastic", "inelastic"}
+    assert set(frame["impact.restitution"]) == {0.4, 0.6}
+    pinned = solve(folder, {"holds": "drift in touching elastic stiff > 0 cm"}).table("statements")
+    assert pinned["case"].tolist() == ["", ""]
+    of_building = solve(folder, {"holds": "period in stiff > 0.2 s"}).table("statements")
+    assert of_building["impact.restitution"].isna().tolist() == [True]
+
+
+def test_each_motion_is_counted(folder, results):
+    drifts = results.storey().query("case == 'near' and analysis == 'elastic' and building == 'stiff'")
+    drifts = drifts[drifts["impact.restitution"] == 0.6].groupby("record", observed=True)["drift"].max()
+    bound = drifts.mean()  # between the two
+    text = f"drift in near elastic stiff [impact.restitution = 0.6] < {bound * 1000} mm"
+    (row,) = solve(folder, {"holds": text, "over_motions": "each"}).table("statements").to_dict("records")
+    assert (row["met"], row["motions"], row["outcome"]) == (1, 2, FAILS)
+    assert row["number"] == pytest.approx(drifts.max())  # of the worst
+    (verdict,) = list_verdicts(pd.DataFrame([row]))
+    assert str(verdict) == f"{FAILS} (1 of 2 motions)"
+
+
+@pytest.mark.parametrize(
+    ("holds", "outcomes", "verdict"),
+    [
+        (["drift > 0 cm"], {HOLDS}, HOLDS),
+        (["drift < 0 cm"], {FAILS}, FAILS),
+        (["drift > 0 cm", "drift < 0 cm"], {HOLDS, FAILS}, PARTLY),
+        (["0 < mu / mu < 2"], {HOLDS}, HOLDS),
+        (["2 > mu / mu > 0"], {HOLDS}, HOLDS),
+        (["1.5 < mu / mu < 2"], {FAILS}, FAILS),
+        (["mu / mu <= 1"], {HOLDS}, HOLDS),
+        (["sqrt(0 - mu) > 1"], {UNKNOWN}, UNKNOWN),
+    ],
+)
+def test_the_verdict_follows_from_the_outcomes(folder, holds, outcomes, verdict):
+    frame = solve(folder, {"holds": holds}, estimate="none").table("statements")
+    assert set(frame["outcome"]) == outcomes
+    (found,) = list_verdicts(frame)
+    assert found.word == verdict
+
+
+def test_a_bound_within_the_numerical_error_decides_nothing(folder, results):
+    """A bound closer to the number than its error, one further away, one that a small change of the motion turns."""
+    (row,) = (
+        solve(folder, {"holds": "drift in near elastic stiff taft [impact.restitution = 0.6] > 0 m"})
+        .table("statements")
+        .to_dict("records")
+    )
+    number, error, sensitivity = row["number"], row["error"], row["sensitivity"]
+    assert 0 < error < sensitivity
+    for offset, outcome, turns in (
+        (0.5 * error, UNDECIDED, ERROR),
+        (-0.5 * error, UNDECIDED, ERROR),
+        (0.5 * sensitivity, HOLDS, SENSITIVITY),
+        (-0.5 * sensitivity, FAILS, SENSITIVITY),
+        (2 * sensitivity, HOLDS, ""),
+    ):
+        text = f"drift in near elastic stiff taft [impact.restitution = 0.6] > {float(number - offset)!r} m"
+        (found,) = solve(folder, {"holds": text}).table("statements").to_dict("records")
+        assert (found["outcome"], found["turns"]) == (outcome, turns), offset
+        assert found["margin"] == pytest.approx(offset, rel=1e-3)
+
+
+def test_a_printed_number_is_met_within_what_is_allowed(folder, results):
+    rows = results.storey().query(f"{STOREYS} and building == 'stiff' and record == 'taft'")
+    drift = rows["drift"].max()
+    number = "drift in near elastic stiff taft [impact.restitution = 0.6]"
+    for printed, within, outcome in (
+        (1.009 * drift, "1 %", HOLDS), (1.012 * drift, "1 %", FAILS), (0.989 * drift, "1 %", FAILS),
+        (drift + 0.9e-4, "0.1 mm", HOLDS), (drift + 1.1e-4, "0.1 mm", FAILS),
+    ):  # fmt: skip
+        statement = {"number": number, "is": f"{100 * float(printed)!r} cm", "within": within}
+        (row,) = solve(folder, statement, estimate="none").table("statements").to_dict("records")
+        assert (row["outcome"], row["printed"]) == (outcome, pytest.approx(printed))
+    assert view_verdicts(solve(folder, statement)).cells()[0][1:3] == [
+        format_value(drift, "m", "cm"), format_value(printed, "m", "cm")
+    ]  # fmt: skip
+
+
+def test_a_study_that_is_changed_has_another_verdict(folder):
+    """Fails if the verdict does not come from the run."""
+    statement = {"holds": "impacts in touching elastic > 0"}
+    for gap, verdict in (("0 cm", HOLDS), ("3 m", FAILS)):
+        cases = {"touching": {"link": "pounding", "gap": gap}}
+        frame = solve(folder, statement, estimate="none", cases=cases).table("statements")
+        assert [each.word for each in list_verdicts(frame)] == [verdict]
+
+
+# Instants
+
+KEPT = {
+    "sweep": None,
+    "group": ["stiff", "soft"],
+    "cases": {"near": {"link": "pounding", "gap": "2 mm", "floors": [2]}},
+    "analyses": ["elastic"],
+    "records": {"use": ["elcentro"], "duration": "3 s"},
+    "keep": {"histories": {"every": "1 ms"}},
+    "estimate": "none",
+}
+
+
+def find_meetings(history) -> np.ndarray:
+    """The samples at which the floors have met [s]."""
+    depth = history.closing[:, 0] - 0.002
+    return history.time[1:][(depth[:-1] < 0) & (depth[1:] >= 0)]
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("displacement in soft floor 2 [1.5 s]", lambda h: np.interp(1.5, h.time, h.displacement[:, 1, 1])),
+        ("time [contact 1]", lambda h: find_meetings(h)[0]),
+        ("time [contact -1]", lambda h: find_meetings(h)[-1]),
+        ("time [2 ms after contact 1] - time [contact 1]", lambda h: 0.002),
+        ("time [contact 1] - time [3 ms before contact 1]", lambda h: 0.003),
+        ("time [largest closing]", lambda h: h.time[h.closing[:, 0].argmax()]),
+        ("closing [largest closing]", lambda h: h.closing[:, 0].max()),
+        ("link_force [largest closing]", lambda h: h.link_force[h.closing[:, 0].argmax(), 0]),
+        ("0 - displacement in stiff floor 1 [smallest displacement]", lambda h: -h.displacement[:, 0, 0].min()),
+        ("velocity in stiff floor 2 [1 s] / velocity in stiff floor 2 [1 s]", lambda h: 1.0),
+    ],
+)
+def test_a_number_at_an_instant_is_that_of_the_history(folder, text, expected):
+    results = solve(folder, {"holds": f"{text} > {text} / 2"}, **KEPT)
+    found = results.table("statements")["number"].tolist()
+    assert found == pytest.approx([expected(results.history())], rel=2e-3)
+
+
+def test_an_instant_that_does_not_come_is_not_tested(folder):
+    frame = solve(folder, {"holds": "time [contact 500] > 1 s"}, **KEPT).table("statements")
+    assert frame["outcome"].tolist() == [UNKNOWN]
+
+
+# What is refused
+
+
+@pytest.mark.parametrize(
+    ("text", "message", "hint"),
+    [
+        ("mu", "is not compared", "`mu > 4`"),
+        ("4 < 5", "it takes nothing from the tables", "`mu`"),
+        ("1 < mu < 2 < 3", "more than one number", "`mu > 4`"),
+        ("1 < mu > 0", "more than one number", "`mu > 4`"),
+        ("mu in touchin > 1", "no building, case, analysis or motion 'touchin'", "did you mean 'touching'?"),
+        ("mu in touching near > 1", "'near' is a second case", "write one case"),
+        ("mu in pounding links > 1", "mu belongs to no link", "leave the links out"),
+        ("impacts in stiff > 1", "impacts belongs to links", "`impacts`"),
+        ("drift > 2", "the value has no unit", "`drift > 2 cm`"),
+        ("drift > mu", "compares numbers in [-] and [m]", "one unit"),
+        ("closing > 1 cm", "closing is a number of an instant", "`closing [1.1 s]`"),
+        ("drift0 [1 s] > 1 cm", "no quantity over time 'drift0'", "drift"),
+        ("closing [soon] > 1 cm", "[soon] is not an instant", "`[1.1 s]`"),
+        ("closing [3 kN] > 1 cm", "'3 kN' is not a time", "`[1.1 s]`"),
+        ("mu [impact.stiffness = 3] > 1", "'impact.stiffness' is not swept", "none is defined"),
+        ("largest mean mu in stiff > 1", "of the buildings, then of their storeys", "one of the two"),
+        ("mu = 3", "is not compared", "`mu > 4`"),
+    ],
+)
+def test_a_comparison_that_is_refused(text, message, hint):
+    with pytest.raises(ExpressionError) as refused:
+        parse_statement(text, SCOPE)
+    assert message in refused.value.args[0]
+    assert hint in refused.value.args[1]
+
+
+@pytest.mark.parametrize(
+    ("statement", "message"),
+    [
+        ({"holds": "mu > 4", "number": "mu"}, "a statement takes `holds`, or `number`, `is` and `within`"),
+        ({}, "a statement takes `holds`, or `number`, `is` and `within`"),
+        ({"number": "mu", "is": "4"}, "a number lacks `within`"),
+        ({"number": "drift", "is": "4", "within": "1 %"}, "'4' has no unit"),
+        ({"number": "mu", "is": "4", "within": "1 cm"}, "expected a plain number"),
+        ({"holds": "mu [impact.restitution = 0.5] > 4"}, "the sweep has no point with impact.restitution = 0.5"),
+        ({"holds": "mu in stiff storey 4 > 4"}, "the highest is 3"),
+        ({"holds": "time [contact 1] > 1 s"}, "the study keeps no histories"),
+    ],
+)
+def test_a_statement_that_is_refused(folder, statement, message):
+    with pytest.raises(InputError) as refused:
+        solve(folder, statement)
+    assert message in str(refused.value)
+
+
+def test_two_statements_of_one_name_are_refused(folder):
+    with pytest.raises(InputError, match="two statements are called 'a'"):
+        solve(folder, {"holds": "mu > 4", "name": "a"}, {"holds": "mu > 5", "name": "a"})
+
+
+# Statements of another file
+
+
+def test_statements_of_another_study_are_taken_from_its_file(tmp_path):
+    """They are tested anew where that file is changed; it must be there, and have some."""
+    base = "records: {use: [elcentro], duration: 2 s}\nestimate: none\n"
+    base += "buildings: {A: {storeys: 1, period: 0.3 s}, B: {storeys: 1, period: 0.5 s}}\n"
+    base += "group: [A, B]\ncases: {near: {link: pounding, gap: 1 mm}}\n"
+    (tmp_path / "own.yaml").write_text(base + "statements: base.yaml\n")
+    for holds, verdict in (("impacts > 0", HOLDS), ("impacts < 0", FAILS)):
+        (tmp_path / "base.yaml").write_text(base + f"statements: [{{says: they strike, holds: {holds}}}]\n")
+        results = pound.run(tmp_path / "own.yaml", tmp_path / "own.h5", engine="serial")
+        assert [each.word for each in list_verdicts(results.table("statements"))] == [verdict]
+    (tmp_path / "base.yaml").write_text(base)
+    with pytest.raises(InputError, match=r"base.yaml has no list of statements"):
+        pound.run(tmp_path / "own.yaml", tmp_path / "own.h5", engine="serial")
+    (tmp_path / "base.yaml").unlink()
+    with pytest.raises(InputError, match=r"base.yaml"):
+        pound.run(tmp_path / "own.yaml", tmp_path / "own.h5", engine="serial")
+
+
+# What is shown
+
+
+def test_the_comparison_has_a_column_a_place_and_missed_numbers_bold(folder):
+    results = solve(folder, {"name": "slow", "holds": "drift in touching elastic stiff < 1 mm"}, estimate="none")
+    statements = collect_statements({"a": results})
+    lines = list(compare_statements(statements))
+    assert "| statement | a: impact.restitution = 0.4 | a: impact.restitution = 0.6 |" in lines
+    assert f"| slow | {FAILS} | {FAILS} |" in lines
+    numbers = statements["number"].tolist()
+    cells = " | ".join(f"**{format_value(number, 'm', 'mm')}**" for number in numbers)
+    assert f"| slow: drift in touching elastic stiff < 1 mm | {cells} |" in lines
+    assert not math.isnan(numbers[0])
