@@ -147,6 +147,45 @@ def test_a_connector_pulls_and_pushes(judged):
     assert (forces[joined].max() > 0).all()
 
 
+def test_the_accelerations_of_connected_buildings_are_those_of_the_page(judged):
+    """Fails if the fall by the connection, or what is left over the buildings alone, is another one."""
+    figure, _, results = judged
+    page = {row[0]: row[COLUMN[figure]] for row in read_rows("Accelerations of connected buildings")}
+    data = results.dataset
+    peaks, ratios = data["acceleration"], data["acceleration_ratio"].sel(case="connected")
+    for kind in ("stiff", "soft"):
+        mine = [name for name in data["building"].values.tolist() if name.startswith(kind)]
+        for base, words in (("touching", "in touch"), ("infill", "with the infill")):
+            kept = (peaks.sel(case="connected") / peaks.sel(case=base)).sel(building=mine)
+            falls = 100 * (1 - kept.mean(["record", "floor", "building"]))
+            elastic, inelastic = (falls.sel(analysis=each).item() for each in ("elastic", "inelastic"))
+            assert page[f"less than {words}, {kind}"] == f"{elastic:.0f} %; {inelastic:.0f} %"
+        alone = ratios.sel(building=mine).mean(["record", "floor", "building"])
+        elastic, inelastic = (alone.sel(analysis=each).item() for each in ("elastic", "inelastic"))
+        assert page[f"over those alone, {kind}"] == f"{elastic:.2f}; {inelastic:.2f}"
+
+
+@NIGHTLY
+@pytest.mark.parametrize("figure", COLUMN)
+def test_the_verdicts_by_the_printed_dashpot_are_those_of_the_page(figure, tmp_path):
+    """Fails if eq. (7) as printed changes another verdict by the mean than the page says, or does not change one."""
+    study = (ROOT / "configs" / f"{figure}.yaml").read_text(encoding="utf-8")
+    (tmp_path / "study.yaml").write_text(study.replace("restitution: 0.5}", "restitution: 0.5, dashpot: printed}"))
+    pounding_cli.run(tmp_path / "study.yaml", tmp_path / "r.h5", engine="serial")
+    words = ["report", str(tmp_path / "r.h5"), "-o", str(tmp_path / "out"), "--no-figures"]
+    said = CliRunner().invoke(cli, words, catch_exceptions=False).output
+    printed = dict(re.findall(r"^  ([a-z-]+) {2,}([a-z ]+?)(?: \(.+)?$", said, re.MULTILINE))
+    rows = [row for row in read_rows("Verdicts") if "](#" in row[0]]
+    expected = {re.match(r"\[(.+?)\]", row[0])[1]: row[COLUMN[figure]].partition(" (")[0] for row in rows}
+    name = f", Fig. {figure[-1]}, "
+    for row in read_rows("Equations that are not computed as printed"):
+        if name in row[0]:
+            claim = row[0].partition(name)[0]
+            assert expected[claim] == row[1]
+            expected[claim] = row[2]
+    assert printed == {claim: verdict for claim, verdict in expected.items() if verdict != "–"}
+
+
 @NIGHTLY
 @pytest.mark.parametrize(
     ("figure", "choice"), [each for each in product(COLUMN, CHOICES) if each != ("fig6", "arrangement")]
