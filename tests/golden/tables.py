@@ -29,7 +29,7 @@ WORKFLOWS = {
     "struck-columns": "fragility",
     "sensitivity": "sensitivity",
     "morris": "sensitivity",
-    "claims": "sensitivity",
+    "statements": "sensitivity",
     "optimise": "optimise",
     "optimise-worst": "optimise",
 }
@@ -45,7 +45,19 @@ LEFT_OUT = {"fragility_curves", "optimise_points", "sensitivity_samples"}
 """Long tables from which the others follow."""
 
 WORK = ["seconds", "steps", "events", "orders", "method", "accuracy", "time_step", "points", "scenes", "histories"]
-PROSE = ["estimated", "effects", "dropped", "advice", "flags", "flag_severity", "detail", "severity", "digest"]
+PROSE = [
+    "says",
+    "bound",
+    "estimated",
+    "effects",
+    "dropped",
+    "advice",
+    "flags",
+    "flag_severity",
+    "detail",
+    "severity",
+    "digest",
+]
 """Columns about the work done instead of its result, and texts that may be worded otherwise."""
 NOISE = ("error", "sensitivity", "residual")
 """Columns with one of these words are sizes of errors; `residual_drift` is a result."""
@@ -76,6 +88,9 @@ def solved(name: str, folder: Path) -> dict[str, pd.DataFrame]:
     """The tables of a study, solved in `folder` with the motions that come with the program."""
     study = folder / f"{name}.yaml"
     shutil.copy(STUDIES[name], study)
+    (folder / "figures").mkdir()
+    for figure in ("fig6", "fig7"):  # whose statements others have
+        shutil.copy(HERE.parents[1] / "configs" / f"{figure}.yaml", folder / "figures")
     if name == "motions":
         motions.write(folder)
     if name in POINTS:
