@@ -36,7 +36,7 @@ $(STAMP): $(BIN)/uv requirements/all.txt pyproject.toml
 # `-q` it does not read a finished file to print its summary again.
 figures: studies
 	@$(MAKE) --no-print-directory pages
-	@echo "Figures and claims: $(PAGES)"
+	@echo "Figures and statements: $(PAGES)"
 
 studies: setup
 	@mkdir -p results

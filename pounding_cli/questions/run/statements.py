@@ -48,6 +48,9 @@ ERROR, SENSITIVITY = "numerical error", "change of the motion by 0.1 %"
 TURNS_MARK = "~"
 """Stands behind a verdict that a small change of the motion may turn."""
 
+MAX_LABEL = 40
+"""Characters of a statement's words that a table shows where it has no name."""
+
 SMALL_CHANGE = 1e-3
 """Change of a motion that its digits leave open: records are written with three or four [-]."""
 
@@ -219,6 +222,13 @@ class Verdict:
     rows: Sequence[Row]
 
     @property
+    def label(self) -> str:
+        """The name that the study gives the statement, else the beginning of its words."""
+        if not self.name.isdigit():
+            return self.name
+        return self.says if len(self.says) <= MAX_LABEL else f"{self.says[: MAX_LABEL - 3].rstrip()}..."
+
+    @property
     def word(self) -> str:
         """The verdict: holds where all tests do."""
         outcomes = {row["outcome"] for row in self.rows} - {UNKNOWN}
@@ -283,7 +293,7 @@ def view_verdicts(results: ResultTables) -> Table:
         worst = min(verdict.rows, key=lambda row: row["margin"] if math.isfinite(row["margin"]) else math.inf)
         printed, unit, written = (worst[key] for key in ("printed", "unit", "written_unit"))
         rows.append({
-            "statement": verdict.name,
+            "statement": verdict.label,
             "number": format_value(worst["number"], unit, written),
             "bound": worst["bound"] if math.isnan(printed) else format_value(printed, unit, written),
             "verdict": str(verdict),
