@@ -215,8 +215,8 @@ def find_percentage(cells: Cells) -> float | None:
 
 
 def count_rows(rows: list[Cells]) -> list[str]:
-    """Return the cells of the overview for rows: numbers, how many agree within each limit and not; statements that hold,
-    hold partly and do not."""
+    """Return the cells of the overview for rows: numbers, how many agree within each limit and not; statements that
+    hold, hold partly and do not."""
     found = [each for each in map(find_percentage, rows) if each is not None]
     words = [row.verdict for row in rows if find_percentage(row) is None]
     ends = (0.0, *LIMITS, math.inf)

@@ -276,8 +276,10 @@ def report(
             saved = each.save(folder, saved_formats, not paper)
         if not quiet:
             click.echo(f"{saved[-1]}: {pluralize(len(saved), 'file')}")
-            for verdict in list_verdicts(results.answer(STATEMENTS).frame) if STATEMENTS in results.answers else ():
-                click.echo(f"  {verdict.label:22} {verdict}")
+            verdicts = list_verdicts(results.answer(STATEMENTS).frame) if STATEMENTS in results.answers else []
+            width = max((len(verdict.label) for verdict in verdicts), default=0)
+            for verdict in verdicts:
+                click.echo(f"  {verdict.label:{width}}  {verdict}")
     if choices:
         for path, reason in without_sweep.items():
             click.echo(f"{path}: {reason}, so {choices[0]} does not apply to it", err=True)
