@@ -95,8 +95,8 @@ peers: $(PEERS)
 	$(BIN)/uv pip install --quiet --python .venv/pelicun/bin/python pelicun==3.10.0
 	PELICUN_PYTHON=$(CURDIR)/.venv/pelicun/bin/python $(BIN)/python -m pytest tests/peers tests/cli/test_pelicun.py
 
-# What it costs, by law, as scenes grow, by method and in OpenSees, into the pages that say so and the README (about six
-# minutes on a quiet machine).
+# What it costs, by law, as scenes grow, by method and in OpenSees, into the pages that say so and the README (about
+# fifteen minutes on a quiet machine).
 bench: $(PEERS)
 	$(BIN)/python -m tests.bench
 
