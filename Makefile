@@ -87,14 +87,16 @@ $(PEERS): $(STAMP) requirements/peers.txt
 	$(UV) --require-hashes --no-deps -r requirements/peers.txt
 	touch $(PEERS)
 
-# Other programs that the solver is checked against (OpenSeesPy needs Debian's libblas3), and one that reads its exports.
+# Three pairs by this program and by OpenSees side by side into docs/verification.md, then the tests against other
+# programs (OpenSeesPy needs Debian's libblas3), and with one that reads its exports.
 peers: $(PEERS)
+	$(BIN)/python -m tests.peers.side_by_side
 	$(PYTHON) -m venv .venv/pelicun
 	$(BIN)/uv pip install --quiet --python .venv/pelicun/bin/python pelicun==3.10.0
 	PELICUN_PYTHON=$(CURDIR)/.venv/pelicun/bin/python $(BIN)/python -m pytest tests/peers tests/cli/test_pelicun.py
 
-# What it costs, by law, as scenes grow, by method and in OpenSees, into the pages that say so and the README (about six
-# minutes on a quiet machine).
+# What it costs, by law, as scenes grow, by method and in OpenSees, into the pages that say so and the README (about
+# fifteen minutes on a quiet machine).
 bench: $(PEERS)
 	$(BIN)/python -m tests.bench
 

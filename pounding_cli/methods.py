@@ -36,7 +36,8 @@ class Setting:
 ACCURACY = Setting("accuracy", "accuracy", "", "1e-6", (1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10))
 """Relative error wanted of the peaks [-]; the method chooses its steps."""
 
-TIME_STEP = Setting("time_step", "time step", "s", "1e-4 s", (2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5))
+_STEPS = (2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6)
+TIME_STEP = Setting("time_step", "time step", "s", "1e-4 s", _STEPS)
 """Length of every step [s]; cut to a whole number of steps in a sample of the motion."""
 
 

@@ -20,13 +20,13 @@ BEGIN = "<!-- begin (make bench) -->"
 END = "<!-- end -->"
 
 
-def write_block(page: Path, text: str) -> None:
+def write_block(page: Path, text: str, begin: str = BEGIN, end: str = END) -> None:
     """Replace what stands between the marks of a page.  Raises `ValueError` for a page without them."""
-    before, first, rest = page.read_text(encoding="utf-8").partition(BEGIN)
-    _, last, after = rest.partition(END)
+    before, first, rest = page.read_text(encoding="utf-8").partition(begin)
+    _, last, after = rest.partition(end)
     if not first or not last:
-        raise ValueError(f"{page} lacks the marks {BEGIN} and {END}")
-    page.write_text(f"{before}{BEGIN}\n{text}\n{END}{after}", encoding="utf-8")
+        raise ValueError(f"{page} lacks the marks {begin} and {end}")
+    page.write_text(f"{before}{begin}\n{text}\n{end}{after}", encoding="utf-8")
 
 
 def format_machine(load: float) -> str:

@@ -56,19 +56,19 @@ def settings(**costs: tuple[float, float, float]) -> pd.DataFrame:
             {"taylor": (1e-6, 2e-3, 1e-7), "dop853": (1e-6, 8e-3, 1e-7), "newmark": (1e-3, 9e-3, 0.5)},
             1e-2,
             "For an error of at most 1 % use taylor with accuracy 1e-06: 2.00 ms per time history. The others: dop853 "
-            "8.00 ms. Not reached by newmark.",
+            "8.00 ms (1e-06). Not reached by newmark down to time step 0.001 s.",
         ),
         (
             {"taylor": (1e-6, 8e-3, 1e-7), "dop853": (1e-6, 2e-3, 1e-7), "newmark": (1e-3, 9e-3, 0.5)},
             1e-2,
             "For an error of at most 1 % use dop853 with accuracy 1e-06: 2.00 ms per time history. The others: taylor "
-            "8.00 ms. Not reached by newmark.",
+            "8.00 ms (1e-06). Not reached by newmark down to time step 0.001 s.",
         ),
         (
             {"taylor": (1e-6, 8e-3, 1e-2), "newmark": (1e-3, 2e-3, 1e-7)},
             1e-4,
             "For an error of at most 0.01 % use newmark with time step 0.001 s: 2.00 ms per time history. Not reached "
-            "by taylor.",
+            "by taylor down to accuracy 1e-06.",
         ),
         (
             {"taylor": (1e-6, 8e-3, 0.5)},
@@ -80,6 +80,16 @@ def settings(**costs: tuple[float, float, float]) -> pd.DataFrame:
 def test_the_cheapest_method_is_named(costs, wanted, sentence):
     """The second is the mirror image of the first. Fails if the dearer or the less accurate one is named."""
     assert describe_cheapest(settings(**costs), wanted, 1) == sentence
+
+
+def test_a_method_is_not_reached_down_to_the_finest_setting_of_all_time_histories():
+    """Fails if a setting that the budget left out on one time history, or the coarsest, is named."""
+    frame = settings(taylor=(1e-6, 2e-3, 1e-7), newmark=(1e-3, 1e-3, 0.5)).assign(solved=2)
+    finer = [frame.iloc[[1]].assign(setting=step, solved=solved) for step, solved in ((1e-4, 2), (1e-5, 1))]
+    told = describe_cheapest(pd.concat([frame, *finer]), 1e-3, 2)
+    assert told.endswith("Not reached by newmark down to time step 0.0001 s.")
+    told = describe_cheapest(pd.concat([frame.iloc[[0]], finer[1]]), 1e-3, 2)
+    assert told.endswith("Not reached by newmark down to time step 1e-05 s.")
 
 
 def test_a_setting_that_failed_somewhere_is_not_named():

@@ -17,63 +17,13 @@ from tests.adapter import Link, solve
 from tests.physics.twisting import SHIFT, pair_of_three
 
 ops = pytest.importorskip("openseespy.opensees", reason="openseespy is not installed (pip install -e .[peers])")
+diaphragms = pytest.importorskip("diaphragms", reason="openseespy is not installed")
 
 STEPS = 1e-3, 5e-4, 2.5e-4
 """Steps of OpenSees [s]."""
-PENALTY = 1e14
-"""Stiffness that holds a diaphragm [N/m], [N m]."""
 
 
-class Diaphragms:
-    """The nodes, materials and elements of a scene in OpenSees, numbered as they are made.
-
-    centre : y of the centres of mass along the street, of the building that is made [m]
-    """
-
-    def __init__(self) -> None:
-        self.centre = 0.0
-        self.node = 0
-        self.element = 0
-        self.watched: list[int] = []
-
-    def floor(self, mass: float, inertia: float) -> int:
-        """Make the centre of mass of a floor, which moves along the row and turns; return its node."""
-        self.node += 1
-        ops.node(self.node, 0.0, self.centre, 0.0)
-        ops.mass(self.node, mass, 0.0, 0.0, 0.0, 0.0, inertia)
-        ops.fix(self.node, 0, 1, 1, 1, 1, 0)
-        return self.node
-
-    def place(self, floor: int, y: float) -> int:
-        """Make a place of a floor; return its node."""
-        self.node += 1
-        ops.node(self.node, 0.0, self.centre + y, 0.0)
-        ops.fix(self.node, 0, 0, 1, 1, 1, 0)
-        ops.rigidDiaphragm(3, floor, self.node)
-        return self.node
-
-    def ground(self, y: float) -> int:
-        """Make a node that does not move; return it."""
-        self.node += 1
-        ops.node(self.node, 0.0, self.centre + y, 0.0)
-        ops.fix(self.node, *[1] * 6)
-        return self.node
-
-    def join(self, below: int, above: int, direction: int, rayleigh: bool) -> int:
-        """Join two nodes by the material that was made for it; return the element."""
-        ops.element(
-            "zeroLength", self.element, below, above, "-mat", self.element, "-dir", direction,
-            "-doRayleigh", int(rayleigh),
-        )  # fmt: skip
-        return self.element
-
-    def next(self) -> int:
-        """Return the number of the next element and of its material."""
-        self.element += 1
-        return self.element
-
-
-def add_building(made: Diaphragms, building: Building, region: int) -> list[int]:
+def add_building(made: diaphragms.Diaphragms, building: Building, region: int) -> list[int]:
     """Make a building; return the nodes of its floors. Its lines are watched line by line, storey by storey."""
     plan = building.plan
     floors = [made.floor(*each) for each in zip(building.mass.tolist(), plan.inertia.tolist(), strict=True)]
@@ -98,7 +48,7 @@ def add_building(made: Diaphragms, building: Building, region: int) -> list[int]
     return floors
 
 
-def add_contact(made: Diaphragms, link: Link, left: int, right: int) -> None:
+def add_contact(made: diaphragms.Diaphragms, link: Link, left: int, right: int) -> None:
     """Make the contact of two floors at its place; the right building is the one that was made last."""
     right_end = made.place(right, link.right_arm)
     made.centre, shift = 0.0, made.centre
@@ -113,7 +63,7 @@ def march(scene: Scene, dt: float) -> tuple[np.ndarray, np.ndarray]:
     """Return the largest |shear| and |drift| of all lines, then of all contacts, at the steps of Newmark's method."""
     ops.wipe()
     ops.model("basic", "-ndm", 3, "-ndf", 6)
-    made = Diaphragms()
+    made = diaphragms.Diaphragms()
     floors = []
     for number, building in enumerate(scene.buildings):
         made.centre = SHIFT * number
@@ -127,7 +77,7 @@ def march(scene: Scene, dt: float) -> tuple[np.ndarray, np.ndarray]:
         for quantity in ("stress", "strain"):
             output = "-file", str(Path(folder) / quantity), "-precision", 16
             ops.recorder("EnvelopeElement", *output, "-ele", *made.watched, "material", 1, quantity)
-        ops.constraints("Penalty", PENALTY, PENALTY)
+        ops.constraints("Penalty", diaphragms.PENALTY, diaphragms.PENALTY)
         ops.numberer("RCM")
         ops.system("BandGeneral")
         ops.test("NormDispIncr", 1e-11, 50, 0)

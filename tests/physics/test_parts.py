@@ -129,7 +129,7 @@ def test_a_wall_struck_from_both_sides_mirrored() -> None:
 
 
 def test_a_wall_struck_from_both_sides_by_another_method() -> None:
-    """Dormand-Prince with events of its own, which shares no code with the solver."""
+    """Dormand-Prince with matrices, laws and events of its own."""
     case = {**POUNDING, "restitution": 0.6}
     row = Scene([{**SOFT, "storeys": 1}, SOIL, {**SOFT, "storeys": 1, "period": 0.25}], shake(1.2, 8.0), 0.02, case)
     run, expected = solve(row, 1e-11), integrate(row.built)

@@ -53,7 +53,10 @@ class Coordinates:
 
 
 def coordinates(scene: Scene) -> Coordinates:
-    """q = for each building u_1 .. u_n, then u_b if it sways, phi_b if it rocks, theta_1 .. theta_n if it twists."""
+    """q = for each building u_1 .. u_n, then u_b if it sways, phi_b if it rocks, theta_1 .. theta_n if it twists; those
+    of a scene that is written by hand are its own (tests/hard/by_hand.py)."""
+    if hasattr(scene, "coordinates"):
+        return scene.coordinates
     total = 0
     floors, bases, feet, turns = [], [], [], []
     for b in scene.buildings:

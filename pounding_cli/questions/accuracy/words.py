@@ -110,11 +110,25 @@ def describe_cheapest(settings: pd.DataFrame, wanted: float, count: int) -> str:
     setting = f"{METHODS[first['method']].setting.title} {format_setting(first)}"
     sentence = f"{target} use {first['method']} with {setting}: {_format_time(first)} per time history."
     if others:
-        costs = ", ".join(f"{each['method']} {_format_time(each)}" for each in others)
+        costs = ", ".join(f"{each['method']} {_format_time(each)} ({format_setting(each)})" for each in others)
         sentence += f" The others: {costs}."
     reached = {each["method"] for each in methods}
-    missing = [name for name in settings["method"].unique() if name not in reached]
+    missing = [
+        f"{name} down to {_describe_finest(of_method, count)}"
+        for name, of_method in settings.groupby("method", sort=False)
+        if name not in reached
+    ]
     return sentence + (f" Not reached by {', '.join(missing)}." if missing else "")
+
+
+def _describe_finest(settings: pd.DataFrame, count: int) -> str:
+    """Return the finest setting of a method that solved all time histories, of any where none did, with its name.
+
+    The parameters are those of `find_cheapest`, of one method.
+    """
+    complete = settings[settings["solved"] == count]
+    finest = (complete if len(complete) else settings).iloc[-1].to_dict()
+    return f"{METHODS[finest['method']].setting.title} {format_setting(finest)}"
 
 
 def _format_time(setting: Any) -> str:
