@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import importlib.util
+import itertools
 import math
 import os
 import re
@@ -220,10 +221,7 @@ def count_rows(rows: list[Cells]) -> list[str]:
     found = [each for each in map(find_percentage, rows) if each is not None]
     words = [row.verdict for row in rows if find_percentage(row) is None]
     ends = (0.0, *LIMITS, math.inf)
-    counts = [
-        sum(low < each <= high or each == low == 0.0 for each in found)
-        for low, high in zip(ends, ends[1:], strict=False)
-    ]
+    counts = [sum(low < each <= high or each == low == 0.0 for each in found) for low, high in itertools.pairwise(ends)]
     held = sum(word.startswith(HOLDS) and not word.startswith(f"{HOLDS} partly") for word in words)
     partly = sum(word.startswith(f"{HOLDS} partly") for word in words)
     cells = [len(found), *counts, held, partly, len(words) - held - partly]

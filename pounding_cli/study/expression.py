@@ -124,6 +124,7 @@ class Scope:
     buildings : names of the group by place, left to right
     cases, analyses, motions, laws : names, laws as `NAME links`; none where an expression is about each of them
     axes : of the sweep, at whose points a quantity may be asked for
+    point : numbers of axes with the place on each that every quantity has which does not name another one
     """
 
     buildings: tuple[str, ...]
@@ -132,6 +133,7 @@ class Scope:
     motions: tuple[str, ...] = ()
     laws: tuple[str, ...] = ()
     axes: tuple[Axis, ...] = ()
+    point: tuple[tuple[int, int], ...] = ()
 
     @property
     def names(self) -> dict[str, tuple[str, ...]]:
@@ -405,7 +407,7 @@ def _parse_where(text: str | None, scope: Scope) -> tuple[tuple[tuple[int, int],
             instant = _parse_instant(key)
         else:
             raise ExpressionError(f"[{text}] has two instants", "write one")
-    return find_point(written, scope.axes), instant
+    return tuple({**dict(scope.point), **dict(find_point(written, scope.axes))}.items()), instant
 
 
 def find_point(written: Mapping[str, str], axes: Sequence[Axis]) -> tuple[tuple[int, int], ...]:

@@ -119,6 +119,11 @@ class StatementSpec(Model):
     number: _TEXT | None = spec_field(None, "the number that `is` tells", "largest displacement in left floor 3")
     is_: _TEXT | None = spec_field(None, "what the number should be, with its unit", "32.9 cm", alias="is")
     within: _TEXT | None = spec_field(None, "by how much it may differ: a share, or a value with its unit", "1 %")
+    at: dict[str, str] = spec_field(
+        {},
+        "swept keys with the value at which all of it is tested; default: every point",
+        {"impact.restitution": "0.5"},
+    )
     over_motions: Literal["mean", "largest", "smallest", "each"] = spec_field(
         "mean", "value over the motions, storey by storey; `each`: it must hold under each of them"
     )

@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from pydantic_core import PydanticCustomError
 
-from pounding_cli.study.expression import ExpressionError, Scope, Statement, parse_expression, parse_statement
+from pounding_cli.study.expression import (
+    ExpressionError,
+    Scope,
+    Statement,
+    find_point,
+    parse_expression,
+    parse_statement,
+)
 from pounding_cli.study.quantity import Quantity, written_unit
 
 if TYPE_CHECKING:
@@ -57,14 +64,19 @@ def parse_statements(specs: tuple[StatementSpec, ...], scope: Scope) -> tuple[li
             faults.append(((number, "name"), f"two statements are called '{name}'", "give one another name"))
         comparisons: list[Statement] = []
         printed = None
+        try:
+            here = replace(scope, point=find_point(spec.at, scope.axes))
+        except ExpressionError as error:
+            faults.append(((number, "at"), *error.args))
+            here = scope
         for place, text in enumerate(spec.holds):
             try:
-                comparisons.append(parse_statement(text, scope))
+                comparisons.append(parse_statement(text, here))
             except ExpressionError as error:
                 faults.append(((number, "holds", place), *error.args))
         if spec.number is not None:
             try:
-                comparison, printed = parse_number(spec, scope)
+                comparison, printed = parse_number(spec, here)
                 comparisons.append(comparison)
             except ExpressionError as error:
                 faults.append(((number, error.args[2] if len(error.args) > 2 else "number"), *error.args[:2]))

@@ -131,6 +131,21 @@ def test_what_a_statement_leaves_open_has_a_row_each(folder):
     assert of_building["impact.restitution"].isna().tolist() == [True]
 
 
+def test_a_statement_at_a_point_is_tested_there(folder):
+    """As with the point in brackets; one that names another point keeps that."""
+    holds = "drift in near elastic stiff / drift in near elastic stiff [impact.restitution = 0.4] > 0"
+    (row,) = solve(folder, {"holds": holds, "at": {"impact.restitution": "0.6"}}).table("statements").to_dict("records")
+    drifts = [
+        solve(folder, {"holds": f"drift in near elastic stiff [impact.restitution = {value}] > 0 m"}).table(
+            "statements"
+        )
+        for value in (0.6, 0.4)
+    ]
+    assert row["number"] == drifts[0]["number"].item() / drifts[1]["number"].item() != 1.0
+    with pytest.raises(InputError, match=r"the sweep has no point with impact\.restitution = 0\.5"):
+        solve(folder, {"holds": holds, "at": {"impact.restitution": "0.5"}})
+
+
 def test_each_motion_is_counted(folder, results):
     drifts = results.storey().query("case == 'near' and analysis == 'elastic' and building == 'stiff'")
     drifts = drifts[drifts["impact.restitution"] == 0.6].groupby("record", observed=True)["drift"].max()
