@@ -95,6 +95,7 @@ _UNCERTAIN_FORM = {
 
 
 _TEXT = Annotated[str, StringConstraints(min_length=1, max_length=500)]
+_WRITTEN_VALUE = Annotated[_TEXT, WithJsonSchema(_VALUE)]
 
 
 class StatementSpec(Model):
@@ -117,9 +118,11 @@ class StatementSpec(Model):
         "floor 1 [1.1 s]`, `time [contact 2]`",
     )
     number: _TEXT | None = spec_field(None, "the number that `is` tells", "largest displacement in left floor 3")
-    is_: _TEXT | None = spec_field(None, "what the number should be, with its unit", "32.9 cm", alias="is")
-    within: _TEXT | None = spec_field(None, "by how much it may differ: a share, or a value with its unit", "1 %")
-    at: dict[str, str] = spec_field(
+    is_: _WRITTEN_VALUE | None = spec_field(None, "what the number should be, with its unit", "32.9 cm", alias="is")
+    within: _WRITTEN_VALUE | None = spec_field(
+        None, "by how much it may differ: a share, or a value with its unit", "1 %"
+    )
+    at: dict[str, _WRITTEN_VALUE] = spec_field(
         {},
         "swept keys with the value at which all of it is tested; default: every point",
         {"impact.restitution": "0.5"},
