@@ -26,6 +26,7 @@ import yaml
 
 import pounding_cli as pound
 from pounding_cli.questions.run.statements import HOLDS, UNKNOWN, Verdict, format_value, list_verdicts
+from pounding_cli.units import find_unit_factor
 
 DOCS = Path(__file__).parents[1]
 PAGE = DOCS / "published.md"
@@ -179,7 +180,7 @@ def _write_alike(value: float, printed: str, digits: int, unit: str, written: st
     """Return a number as the source writes its own: the same decimals, the same unit."""
     if "e" in printed.split()[0].lower():
         return format_value(value, unit, written)
-    factor = 0.01 if written == "%" else pound.units.parse_unit(written)[0] if written else 1.0
+    factor = find_unit_factor(written, unit) or 1.0 if written else 1.0
     return f"{value / factor:.{digits}f} {written}".rstrip()
 
 

@@ -1,14 +1,16 @@
-"""The rules of codes against numbers by hand from their clauses."""
+"""The rules of codes against numbers by hand from their clauses, and the correlation of two oscillators."""
 
 from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
 from pounding_cli.model.separation import (
     CODE_RULES,
     NBC202_WIDTH,
+    cross_correlation,
     e030_displacement,
     e030_minimum,
     ntc_separation,
@@ -59,3 +61,30 @@ def test_every_rule_is_cited_and_named_once():
     names = [rule.name for rule in CODE_RULES]
     assert len(set(names)) == len(names)
     assert all(rule.clause and (rule.source or rule.name == "UBC") for rule in CODE_RULES)
+
+
+PRINTED_CORRELATIONS = [
+    (1.3685937, 1.3004468, 0.79280),
+    (1.3685937, 0.43155484, 0.005705),
+    (1.3004468, 0.43155484, 0.006383),
+]
+"""Periods of two modes [s], damped by 5 %, and their correlation: R. W. Clough & J. Penzien, Dynamics of Structures,
+example E26-8, as example A87 of the verification manual of SOLVIA prints it; periods by the frame of the example."""
+
+
+@pytest.mark.parametrize(("left", "right", "printed"), PRINTED_CORRELATIONS)
+def test_correlation_of_modes_is_the_printed_one(left, right, printed):
+    assert cross_correlation(left, right) == pytest.approx(printed, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "dampings"), [(0.5, 0.4, (0.05, 0.05)), (0.4, 0.5, (0.05, 0.05)), (1.0, 0.9, (0.02, 0.1))]
+)
+def test_correlation_under_white_noise(left, right, dampings):
+    """Against the spectra of both displacements, integrated over frequency."""
+    one, other = (2 * math.pi / period for period in (left, right))
+    w = np.concatenate([np.linspace(0.0, 60.0, 600_001), np.linspace(60.0, 5000.0, 500_001)[1:]])
+    h, k = (1 / (f**2 - w**2 + 2j * d * f * w) for f, d in zip((one, other), dampings, strict=True))
+    products = (np.trapezoid((a * b.conj()).real, w) for a, b in ((h, k), (h, h), (k, k)))
+    cross, first, second = products
+    assert cross_correlation(left, right, *dampings) == pytest.approx(cross / math.sqrt(first * second), rel=1e-5)

@@ -24,7 +24,7 @@ from pounding_cli.questions.frames import PURE_NUMBER, list_swept_columns
 from pounding_cli.questions.instants import Instants
 from pounding_cli.study.statements import StudyStatement, iter_comparisons
 from pounding_cli.tables import Column, Row, Table, build_table
-from pounding_cli.units import parse_unit
+from pounding_cli.units import find_unit_factor
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -280,7 +280,8 @@ def format_value(value: float, unit: str, written: str = "") -> str:
     """
     if not math.isfinite(value):
         return NOTHING
-    factor = 0.01 if written == "%" else parse_unit(written)[0] if written else 1.0
+    factor = find_unit_factor(written, unit) if written else 1.0
+    assert factor is not None  # else the study would not have been read
     return f"{format_number(value / factor, 4)} {written or unit}".rstrip()
 
 
