@@ -104,7 +104,7 @@ def test_a_study_that_is_broken_has_another_table(name, tmp_path):
 def plant(**changes: object) -> pd.DataFrame:
     """Return the row of a number that agrees, changed."""
     row = {
-        "statement": "1", "says": "roof", "source": "", "reading": "", "comparison": "displacement = 32.9 cm", "case": "",
+        "statement": "1", "says": "roof", "source": "", "reading": "", "comparison": "u = 32.9 cm", "case": "",
         "analysis": "", "number": 0.3287, "unit": "m", "written_unit": "cm", "bound": "<= 33 cm", "printed": 0.329,
         "margin": 0.001, "error": 1e-9, "sensitivity": 1e-6, "met": 1, "motions": 1, "outcome": HOLDS, "turns": "",
     }  # fmt: skip
