@@ -150,18 +150,27 @@ def parse_measure(value: Any) -> Measure:
     return Measure(name, 0.0 if period is None else _PERIOD.read(period))
 
 
-def _read_text(value: Any) -> str:
-    """Return a value that is a text.  Raises PydanticCustomError."""
-    if not isinstance(value, str):
-        raise refuse(f"{quote(value)} is not an expression", "write e.g. `largest mu`")
-    return value
+def _text(form: str, kind: str, *examples: str) -> ParsedText:
+    """Return the parser of a text that its question reads.
+
+    form : what stands there, in words
+    kind : what it is not where it is no text
+    """
+
+    def read(value: Any) -> str:
+        if not isinstance(value, str):
+            raise refuse(f"{quote(value)} is not {kind}", f"write e.g. `{examples[0]}`")
+        return value
+
+    return ParsedText(read, form, examples)
 
 
 EXPRESSION = Annotated[
-    str, ParsedText(_read_text, "expression over the tables", ("mu", "largest V_ratio in stiff", "max(mu, mu0)"))
+    str, _text("expression over the tables", "an expression", "mu", "largest V_ratio in stiff", "max(mu, mu0)")
 ]
-
 
 STATEMENT = Annotated[
-    str, ParsedText(_read_text, "expression compared with a value", ("mu > 4", "drift in soft > 2 cm", "impacts > 0"))
+    str, _text("expression compared with a value", "a statement", "mu > 4", "drift in soft > 2 cm", "impacts > 0")
 ]
+
+LIMIT = Annotated[str, _text("limit in words", "a limit", "mu > 4", "drift > 2 %", "contact")]

@@ -1,5 +1,5 @@
-"""Expressions over the tables, `largest mu in soft` or `mean V_ratio in infill stiff storey 2`; limits of fragility,
-`drift > 2 %`, `acceleration > 1 g in soft floor 5`, `contact`.
+"""Expressions over the tables, `largest mu in soft` or `mean V_ratio in infill stiff storey 2`; statements, which
+compare them, `drift > 2 %`; limits of fragility: statements, `mu in soft storey 1 > 4`, or events, `contact`.
 
 Quantities are read first, each with its place; what is left is arithmetic, which Python parses and nothing runs."""
 
@@ -8,7 +8,7 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from pounding_cli import variables
 from pounding_cli.model.archetypes import DAMAGE_STATES
 from pounding_cli.study.axes import Axis
 from pounding_cli.study.file import nearest
-from pounding_cli.study.quantity import ACCELERATION, LENGTH, TIME, Quantity, refuse, written_unit
+from pounding_cli.study.quantity import ACCELERATION, LENGTH, TIME, Quantity, written_unit
 
 SHEAR_DEMAND = "shear_demand"
 INSTANT_TIME = TIME.replace(name="time", example="1.1 s", low=0.0, open_low=False)
@@ -78,6 +78,9 @@ CONTACT_QUANTITIES = ("acceleration", "acceleration_ratio", "peak_force", "conta
 TWISTING = {variable.name for variable in variables.TWIST_VARIABLES}
 """Variables that studies without plans do not have."""
 
+OVER_HEIGHT = {"drift": "drift_ratio", "edge_drift": "edge_drift_ratio", "line_drift": "line_drift_ratio"}
+"""Drift -> the same over the height of the storey, which a value in % means."""
+
 REDUCTIONS = ("largest", "smallest", "mean")
 """Reductions of several storeys, floors or links; `largest` unless written."""
 
@@ -125,6 +128,7 @@ class Scope:
     cases, analyses, motions, laws : names, laws as `NAME links`; none where an expression is about each of them
     axes : of the sweep, at whose points a quantity may be asked for
     point : numbers of axes with the place on each that every quantity has which does not name another one
+    of_limits : whether `shear_demand` may name the building and storey whose columns are loaded, as limits do
     """
 
     buildings: tuple[str, ...]
@@ -134,6 +138,7 @@ class Scope:
     laws: tuple[str, ...] = ()
     axes: tuple[Axis, ...] = ()
     point: tuple[tuple[int, int], ...] = ()
+    of_limits: bool = False
 
     @property
     def names(self) -> dict[str, tuple[str, ...]]:
@@ -206,12 +211,14 @@ class Expression:
     text : as people read it
     unit : SI unit; "" of a pure number, and where the parts have different ones
     quantities : the numbers of the tables that it rests on
+    is_plain : whether it is its only quantity, without arithmetic
     """
 
     text: str
     unit: str
     quantities: tuple[TableQuantity, ...]
     _work: Work
+    is_plain: bool = False
 
     def __call__(self, value: Value) -> np.ndarray:
         """Return the expression from the values of its quantities; not finite where it has none (a root of -1)."""
@@ -226,8 +233,10 @@ class ExpressionError(ValueError):
     """A fault in an expression; the second argument says what to write."""
 
 
-def parse_expression(text: str, scope: Scope) -> Expression:
+def parse_expression(text: str, scope: Scope, over_height: bool = False) -> Expression:
     """Return an expression over the tables of a study.
+
+    over_height : take drifts over the height of their storeys, where the expression is a length and has drifts only
 
     Raises
     ------
@@ -251,7 +260,11 @@ def parse_expression(text: str, scope: Scope) -> Expression:
 
     arithmetic = re.sub(_PHRASE.format(places=_place_pattern(scope)), replace_phrase, text)
     try:
-        unit, work = _compile_node(ast.parse(arithmetic.strip(), mode="eval").body, quantities)
+        node = ast.parse(arithmetic.strip(), mode="eval").body
+        unit, work = _compile_node(node, quantities)
+        if over_height and unit == "m" and all(map(_has_ratio, quantities)):
+            quantities = [replace(each, name=OVER_HEIGHT[each.name]) for each in quantities]
+            unit, work = _compile_node(node, quantities)
     except ExpressionError as error:
         raise ExpressionError(f"'{text}': {error}", hint) from None
     except (SyntaxError, ValueError, RecursionError, MemoryError):
@@ -261,7 +274,13 @@ def parse_expression(text: str, scope: Scope) -> Expression:
         raise ExpressionError(f"'{text}': {message}", hint) from None
     if not quantities or "#" in arithmetic:
         raise ExpressionError(f"'{text}': it takes nothing from the tables", hint)
-    return Expression(text, "" if unit in (None, _MIXED) else unit, tuple(quantities), work)
+    is_plain = isinstance(node, ast.Name)
+    return Expression(text, "" if unit in (None, _MIXED) else unit, tuple(quantities), work, is_plain)
+
+
+def _has_ratio(quantity: TableQuantity) -> bool:
+    """Return whether the tables have a quantity over the height of its storey, too."""
+    return quantity.name in OVER_HEIGHT and quantity.instant is None
 
 
 def _place_pattern(scope: Scope) -> str:
@@ -333,15 +352,19 @@ def _parse_places(match: re.Match[str], name: str, scope: Scope) -> _Places:
     buildings = scope.buildings
     written = [each[1] for each in re.finditer(rf"\s+({_place_pattern(scope)})", match["places"])]
     unknown = re.split(r"[-+*/(),<>=\[]", match.string[match.end("places") :])[0].strip()[:40]
-    is_link = name in (*LINK, *LINK_FACTS)
+    is_link = name in (*LINK, *LINK_FACTS) and not (name == SHEAR_DEMAND and scope.of_limits)
     of_line = bool(written) and written[-1].startswith("line ")  # no building stands behind it
     if not written or of_line:
         if is_link and not scope.cases:
             raise ExpressionError(f"{name} belongs to links, not to a building", f"write `{name}`: of all links")
-        asked = re.match(r"line\s+([0-9]+)", unknown or written[-1])
+        asked = re.match(r"line\s+([0-9]+)", unknown or " ".join(written[-1:]))
         if asked is not None:
             hint = f"write `{name} in line {asked[1]} of {buildings[0]}`"
             raise ExpressionError(f"line {asked[1]} of which building?", hint)
+        if several := _list_places_of_type(unknown, buildings):
+            repeated = several[0].rpartition("-")[0]
+            hint = f"write {' or '.join(f'`{name} in {each}`' for each in several)}"
+            raise ExpressionError(f"'{repeated}' stands at {len(several)} places of the group", hint)
         every = {kind: names for kind, names in scope.names.items() if names and kind != _LAW}
         kinds = ", ".join(every).replace(", motion", " or motion")
         raise ExpressionError(
@@ -352,7 +375,7 @@ def _parse_places(match: re.Match[str], name: str, scope: Scope) -> _Places:
         _take_place(places, each, scope)
     if places.law and not is_link:
         raise ExpressionError(f"{name} belongs to no link", "leave the links out")
-    if is_link and (places.building is not None or places.role):
+    if is_link and (places.building is not None or places.role or places.level):
         raise ExpressionError(f"{name} belongs to links, not to a building", f"write `{name}`: of all links")
     if places.line is not None and places.building is None:
         raise ExpressionError(
@@ -361,12 +384,25 @@ def _parse_places(match: re.Match[str], name: str, scope: Scope) -> _Places:
     return places
 
 
+def _list_places_of_type(written: str, buildings: Sequence[str]) -> list[str]:
+    """Return the names of the places at which a building stands, soft-1 and soft-2, where a text begins with its name,
+    `soft`; none where it stands once."""
+    for building in buildings:
+        name = building.rpartition("-")[0]
+        places = [each for each in buildings if re.fullmatch(rf"{re.escape(name)}-[0-9]+", each)]
+        if name and len(places) > 1 and f"{written} ".startswith(f"{name} "):
+            return places
+    return []
+
+
 def _take_place(places: _Places, written: str, scope: Scope) -> None:
     """Add one place of a phrase to those before it.  Raises ExpressionError."""
     first, _, rest = written.partition(" ")
-    if first == "line":
+    if first == "line" and rest:
         places.line = rest.split()[0]
     elif first in ("storey", "floor") and rest.isdigit():
+        if places.level:
+            raise ExpressionError(f"'{written}' is a second {first}", f"write one {first}")
         places.level = written
     elif written in (STIFFEST, SOFTER):
         places.role = written
@@ -659,7 +695,10 @@ def parse_statement(text: str, scope: Scope) -> Statement:
     if not any(names):
         parse_expression(sides[0], scope)  # says what is wrong with it
         raise ExpressionError(f"'{text}': it takes nothing from the tables", statement_hint(scope.buildings))
-    parsed = [parse_expression(side, scope) if found else None for side, found in zip(sides, names, strict=True)]
+    in_percent = any(written_unit(side) == "%" for side in sides)
+    parsed = [
+        parse_expression(side, scope, in_percent) if found else None for side, found in zip(sides, names, strict=True)
+    ]
     first = next(each for each in parsed if each is not None)
     parts: list[Expression | float] = []
     for side, expression in zip(sides, parsed, strict=True):
@@ -682,25 +721,33 @@ def _parse_value(
     """
     behind = _BEHIND.fullmatch(written)
     if behind is not None and len(sides) == 2:
-        ordered = f"{sides[0]} in {behind['place']} {signs[0]} {behind['value']}"
+        ordered = _put_place_before(behind, written, sides, signs)
         raise ExpressionError(f"'{text}': the place stands behind the value", f"write `{ordered}`")
     unit = expression.unit
     shown = _VALUES.get(unit, f"1 {unit}")
-    example = f"{expression} {signs[0]} {shown}"
-    if unit == "m" and written.endswith("%"):
-        example = re.sub(r"\b(edge_)?drift\b", rf"\1{DRIFT_RATIO}", text)  # of the storey height
-    return _parse_number(text, Quantity("value", unit, shown), written, f"write e.g. `{example}`")
-
-
-def _parse_number(text: str, measure: Quantity, written: str, hint: str) -> float:
-    """Return a value with its unit in SI.  Raises ExpressionError."""
+    hint = f"write e.g. `{expression} {signs[0]} {shown}`"
+    if unit == "m" and all(map(_has_ratio, expression.quantities)):
+        hint += f" or `{expression} {signs[0]} 2 %`"
+    measure = Quantity("value", unit, shown)
     try:
         number = float(measure.read(written))
     except PydanticCustomError as error:
         raise ExpressionError(f"'{text}': {(error.context or {})['message']}", hint) from None
-    if measure.si and not written_unit(written):
+    if unit and not written_unit(written):
         raise ExpressionError(f"'{text}': the value has no unit", hint)
     return number
+
+
+def _put_place_before(behind: re.Match[str], written: str, sides: Sequence[str], signs: Sequence[str]) -> str:
+    """Return a statement whose place stands behind its value, `mu > 4 in soft`, as it is written: `mu in soft > 4`.
+
+    behind : match of the value with its place
+    """
+    other = sides[1] if written == sides[0] else sides[0]
+    joint = " " if re.search(r"\sin\s", other) else " in "  # it names a place already
+    ordered = f"{other}{joint}{behind['place']}"
+    value = behind["value"]
+    return f"{value} {signs[0]} {ordered}" if written == sides[0] else f"{ordered} {signs[0]} {value}"
 
 
 # Limits
@@ -715,42 +762,39 @@ DAMAGE_LIMITS = {f"{state} damage": state for state in DAMAGE_STATES}
 EDGE_DRIFT = "edge_drift"
 EDGE_DRIFT_RATIO = "edge_drift_ratio"
 TWIST = "twist"
-LIMITS = (
-    *("mu", "drift", DRIFT_RATIO, EDGE_DRIFT, EDGE_DRIFT_RATIO, TWIST, "acceleration", SHEAR_DEMAND, CONTACT, COLLAPSE),
-    *DAMAGE_LIMITS,
-)
-"""Quantities that may be limited."""
+EVENTS = (CONTACT, COLLAPSE, *DAMAGE_LIMITS)
+"""Limits without a value."""
 
-OF_HEIGHT = {DRIFT_RATIO: "drift", EDGE_DRIFT_RATIO: EDGE_DRIFT}
+OF_HEIGHT = {OVER_HEIGHT[name]: name for name in ("drift", EDGE_DRIFT)}
 """Quantity that is a part of the storey's height -> the same as a length."""
 
-LIMITS_OF_LINES = ("mu", "drift")
-"""Limits that may concern one frame line."""
+_RANGES = {
+    "mu": Quantity("ductility", "", "mu > 4", 0.0, 1e6, open_low=True),
+    "drift": LENGTH.replace(name="drift", example="drift > 6 cm"),
+    "drift_ratio": Quantity("drift ratio", "", "drift > 2 %", 0.0, 1.0, open_low=True, open_high=True),
+    EDGE_DRIFT: LENGTH.replace(name="edge drift", example="edge_drift > 6 cm"),
+    "edge_drift_ratio": Quantity("edge drift ratio", "", "edge_drift > 2 %", 0.0, 1.0, open_low=True, open_high=True),
+    TWIST: Quantity("twist", "rad", "twist > 0.01 rad", 0.0, 1.0, open_low=True),
+    "acceleration": ACCELERATION.replace(example="acceleration > 1 g"),
+    SHEAR_DEMAND: Quantity("shear demand", "", "shear_demand > 1", 0.0, 1e6, open_low=True),
+}
+"""Quantities that may be limited, with the range of the limit."""
+
+LIMITS = (*_RANGES, *EVENTS)
 
 LIMITS_OF_PAIRS = (CONTACT, SHEAR_DEMAND)
 """Limits that a building alone cannot pass."""
 
-LIMIT_FORM = (
-    "write e.g. `mu > 4`, `mu > 4 in line 1 of NAME`, `drift > 2 %`, `edge_drift > 2 %`, `acceleration > 1 g`, "
-    "`shear_demand > 1`, `contact` or `collapse`"
-)
-_MEASURES = {
-    "mu": Quantity("ductility", "", "mu > 4", 0.0, 1e6, open_low=True),
-    SHEAR_DEMAND: Quantity("shear demand", "", "shear_demand > 1", 0.0, 1e6, open_low=True),
-    "acceleration": ACCELERATION.replace(example="acceleration > 1 g"),
-    "drift": LENGTH.replace(name="drift", example="drift > 6 cm"),
-    DRIFT_RATIO: Quantity("drift ratio", "", "drift_ratio > 2 %", 0.0, 1.0, open_low=True, open_high=True),
-    EDGE_DRIFT: LENGTH.replace(name="edge drift", example="edge_drift > 6 cm"),
-    EDGE_DRIFT_RATIO: Quantity(
-        "edge drift ratio", "", "edge_drift_ratio > 2 %", 0.0, 1.0, open_low=True, open_high=True
-    ),
-    TWIST: Quantity("twist", "rad", "twist > 0.01 rad", 0.0, 1.0, open_low=True),
-}
-_WHERE = re.compile(r"(?P<comparison>.*)\s+in\s+(?P<where>\S.*)\Z")  # the last `in`: one before it may be inches
-_PLACE = re.compile(
-    r"(?:line\s+(?P<line>[0-9]{1,3})\b\s*(?P<of>of\b)?\s*)?"
-    r"(?P<building>.*?)\s*(?:\b(?P<kind>storey|floor)\s+(?P<level>[0-9]{1,3}))?\Z"
-)
+_EVENT = re.compile(rf"(?P<event>{'|'.join(EVENTS)})\b\s*(?P<rest>.*)")
+_FIRST_NAME = re.compile(rf"(?:(?:{'|'.join(REDUCTIONS)})\s+)*(?P<name>[^\W\d]\w*)")
+
+
+def limit_hint(buildings: Sequence[str]) -> str:
+    """Return how a limit is written, with the buildings of the study."""
+    return (
+        f"write e.g. `mu > 4`, `mu in {buildings[0]} storey 1 > 4`, `drift > 2 %`, `edge_drift > 2 %`, "
+        f"`acceleration > 1 g`, `shear_demand > 1`, `contact` or `collapse in {buildings[-1]}`"
+    )
 
 
 @dataclass(frozen=True)
@@ -761,7 +805,7 @@ class Limit:
     quantity : one of LIMITS
     value : [-], [m] or [m/s2]; 0 of contact, where a gap that closes passes the limit, and of collapse
     of_height : the value is a part of the storey's height
-    building : the only one it concerns, "" for each of them
+    building : the place in the group of the only one it concerns, from 0; None for each of them
     level : its only storey or floor, from 1 at the ground; 0 for any of them
     line : the only frame line of that building it concerns, from 1; 0 for the storeys
     """
@@ -770,7 +814,7 @@ class Limit:
     quantity: str
     value: float = 0.0
     of_height: bool = False
-    building: str = ""
+    building: int | None = None
     level: int = 0
     line: int = 0
 
@@ -783,10 +827,12 @@ class Target:
     """The limit of a curve, and the building that it concerns.
 
     building : its place in the group; of contact that of the left one of a pair
+    is_damage : whether the limit is the drift at which a damage state begins
     """
 
     limit: Limit
     building: int
+    is_damage: bool = False
 
     def label(self, names: tuple[str, ...]) -> str:
         """Return the name of the building, or of the pair."""
@@ -795,45 +841,64 @@ class Target:
         return names[self.building]
 
 
-def parse_limit(value: Any) -> Limit:
-    """Return a limit as the file writes it.  Raises PydanticCustomError saying what to write."""
-    text = " ".join(str(value).split())[:200]
-    match = _WHERE.match(text)
-    comparison = match["comparison"] if match else text
-    where = match["where"] if match else ""
-    quantity, sign, written = (part.strip() for part in comparison.partition(">"))
-    if quantity not in LIMITS:
-        raise refuse(f"'{text[:60]}' is not a limit", f"{nearest(quantity, LIMITS)}; {LIMIT_FORM}")
-    has_value = quantity in _MEASURES
-    if bool(sign) != has_value:
-        usage = f"{quantity} takes {'`>` and a value' if has_value else 'no value'}"
-        hint = LIMIT_FORM
-        if has_value and ">" in where:
-            usage = "its value stands behind the place"
-            named, _, level_written = (part.strip() for part in where.partition(">"))
-            hint = f"write `{quantity} > {level_written} in {named}`"
-        raise refuse(f"'{text[:60]}' is not a limit: {usage}", hint)
-    place = _PLACE.match(where)
-    assert place is not None  # it matches everything
-    building = place["building"].strip()
-    if written_unit(written) in ("%", "percent", "pct") and quantity in OF_HEIGHT.values():
-        quantity = next(ratio for ratio, length in OF_HEIGHT.items() if length == quantity)
-    of_height = quantity in OF_HEIGHT
-    measure = _MEASURES.get(quantity)
-    quantity = OF_HEIGHT.get(quantity, quantity)
+def parse_limit(text: str, scope: Scope) -> Limit:
+    """Return a limit of fragility: an event, or a statement that one quantity lies above a value.
+
+    Raises
+    ------
+    ExpressionError : what is wrong, and what to write
+    """
+    text = " ".join(text[: MAX_LENGTH + 1].split())
+    event = _EVENT.match(text)
+    if event is not None:
+        return _parse_event(text, event, scope)
+    wrong = f"'{text[:60]}' is not a limit"
+    hint = limit_hint(scope.buildings)
+    first = _FIRST_NAME.match(text)
+    name = first["name"] if first else text.partition(">")[0].strip()
+    if name not in _RANGES:
+        raise ExpressionError(wrong, f"{nearest(name, LIMITS)}; {hint}")
+    if not _SIGN.search(text):
+        raise ExpressionError(f"{wrong}: {name} takes `>` and a value", hint)
+    statement = parse_statement(text, replace(scope, of_limits=True))
+    expression, value = statement.parts[:2]
+    if len(statement.parts) > 2 or not (isinstance(expression, Expression) and isinstance(value, float)):
+        raise ExpressionError(f"{wrong}: it compares more than one quantity with one number", hint)
+    if statement.signs != (">",):
+        raise ExpressionError(f"{wrong}: {name} takes `>` and a value", hint)
+    part = expression.quantities[0]
+    if not expression.is_plain or part != TableQuantity(
+        part.name, building=part.building, level=part.level, line=part.line
+    ):
+        raise ExpressionError(f"{wrong}: it takes the largest of one quantity, without arithmetic", hint)
+    quantity = part.name.removeprefix("line_")
     try:
-        line = _check_line(place["line"], quantity, LIMITS_OF_LINES)
-        if line and not (place["of"] and building):
-            raise ExpressionError(
-                f"'{text}': line {line} of which building?", f"write `{comparison} in line {line} of NAME`"
-            )
-        level = 0
-        if place["kind"] is not None:
-            level = _check_level(f"{place['kind']} {place['level']}", quantity in FLOOR, f"'{text}': {quantity}")
-        number = 0.0 if measure is None else _parse_number(text, measure, written, LIMIT_FORM)
+        _RANGES[quantity].read(value)
+    except PydanticCustomError as error:
+        message = (error.context or {})["message"]
+        raise ExpressionError(f"'{text}': {message}", _RANGES[quantity].usage) from None
+    length = OF_HEIGHT.get(quantity, quantity)
+    return Limit(text, length, value, length != quantity, part.building, part.level, part.line)
+
+
+def _parse_event(text: str, event: re.Match[str], scope: Scope) -> Limit:
+    """Return a limit without a value, `collapse in soft`.  Raises ExpressionError."""
+    name, rest = event["event"], event["rest"]
+    hint = limit_hint(scope.buildings)
+    if _SIGN.search(rest):
+        raise ExpressionError(f"'{text[:60]}' is not a limit: {name} takes no value", hint)
+    if not rest:
+        return Limit(text, name)
+    phrase = re.match(_PHRASE.format(places=_place_pattern(scope)), f"{name.split()[-1]} {rest}")
+    if phrase is None or phrase["in"] is None:
+        raise ExpressionError(f"'{text[:60]}' is not a limit", hint)
+    if name == CONTACT:
+        raise ExpressionError(f"'{text}': {name} concerns two buildings, not one of them", f"write `{name}`")
+    try:
+        places = _parse_places(phrase, name, scope)
     except ExpressionError as error:
-        raise refuse(*error.args) from None
-    if measure is None and (level or (where and quantity == CONTACT)):
-        concerns = "two buildings, not one of them" if quantity == CONTACT else "a building, not one of its storeys"
-        raise refuse(f"'{text}': {quantity} concerns {concerns}", f"write `{quantity}`")
-    return Limit(text, quantity, number, of_height, building, level, line)
+        raise ExpressionError(f"'{text}': {error.args[0]}", error.args[1]) from None
+    if places != _Places(places.building) or phrase.end() < len(phrase.string):
+        message = f"'{text}': {name} concerns a building, not one of its storeys"
+        raise ExpressionError(message, f"write `{name}` or `{name} in {scope.buildings[-1]}`")
+    return Limit(text, name, building=places.building)

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from pounding_cli.study.issues import KeyPath
     from pounding_cli.study.schema import StatementSpec
 
-SHARES = ("%", "percent", "pct")
-
 
 @dataclass(frozen=True)
 class StudyStatement:
@@ -96,9 +94,9 @@ def parse_number(spec: StatementSpec, scope: Scope) -> tuple[Statement, float]:
     assert spec.number is not None
     assert spec.is_ is not None
     assert spec.within is not None
-    expression = parse_expression(spec.number, scope)
+    expression = parse_expression(spec.number, scope, written_unit(spec.is_) == "%")
     printed = _read_value("is", spec.is_, expression.unit)
-    if written_unit(spec.within) in SHARES and printed:
+    if written_unit(spec.within) == "%" and printed:
         within = abs(printed) * _read_value("within", spec.within, "")
     else:
         within = _read_value("within", spec.within, expression.unit)

@@ -408,10 +408,10 @@ def test_a_study_that_asks_nothing_has_no_questions(folder):
 
 
 def test_a_bad_question_is_refused_at_its_place(folder, pound):
-    (folder / "two.yaml").write_text(QUESTIONS.replace("mu > 2", "mu > 2 in C"))
+    (folder / "two.yaml").write_text(QUESTIONS.replace("mu > 2", "mu in C > 2"))
     code, out, err = pound("check", "two.yaml")
     assert (code, out) == (2, "")
-    assert "two.yaml:11:22: 'mu > 2 in C': no building 'C' in the group" in err
+    assert "two.yaml:11:22: 'mu in C': no building 'C' in the group" in err
 
 
 SWEPT = """\

@@ -219,20 +219,20 @@ def test_a_rate_has_its_direction_and_its_numbers(ida, name):
     ("limit", "expected"),
     [
         ("mu > 4", "ductility above 4"),
-        ("mu > 4 in soft", "ductility above 4"),
-        ("mu > 4 in soft storey 2", "ductility of storey 2 above 4"),
+        ("mu in soft > 4", "ductility above 4"),
+        ("mu in soft storey 2 > 4", "ductility of storey 2 above 4"),
         ("drift > 2 %", "interstorey drift above 2 % of the storey height"),
-        ("drift_ratio > 0.02 in soft", "interstorey drift above 2 % of the storey height"),
-        ("drift > 6 cm in soft", "interstorey drift above 6 cm"),
+        ("drift_ratio in soft > 0.02", "interstorey drift above 2 % of the storey height"),
+        ("drift in soft > 6 cm", "interstorey drift above 6 cm"),
         ("drift > 2 in", "interstorey drift above 2 in"),
-        ("mu > 3 in line 1 of soft", "ductility of line 1 above 3"),
+        ("mu in line 1 of soft > 3", "ductility of line 1 above 3"),
         (
-            "drift > 1 % in line 2 of soft storey 2",
+            "drift in line 2 of soft storey 2 > 1 %",
             "interstorey drift of line 2 in storey 2 above 1 % of the storey height",
         ),
-        ("edge_drift > 2 % in soft", "interstorey drift of either edge above 2 % of the storey height"),
-        ("twist > 0.01 rad in soft floor 2", "rotation of floor 2 above 0.01 rad"),
-        ("acceleration > 1 g in soft floor 2", "acceleration of floor 2 above 1 g"),
+        ("edge_drift in soft > 2 %", "interstorey drift of either edge above 2 % of the storey height"),
+        ("twist in soft floor 2 > 0.01 rad", "rotation of floor 2 above 0.01 rad"),
+        ("acceleration in soft floor 2 > 1 g", "acceleration of floor 2 above 1 g"),
         ("acceleration > 1 g", "floor acceleration above 1 g"),
         ("shear_demand > 1", "shear demand of columns above 1"),
         ("contact", "contact"),
@@ -240,7 +240,7 @@ def test_a_rate_has_its_direction_and_its_numbers(ida, name):
     ],
 )
 def test_a_limit_in_words(limit, expected):
-    assert words.describe_limit(limit) == expected
+    assert words.describe_limit(limit, ("stiff", "soft")) == expected
 
 
 def test_limits_of_lines_and_edges_are_those_of_the_results(tmp_path):
@@ -248,11 +248,11 @@ def test_limits_of_lines_and_edges_are_those_of_the_results(tmp_path):
     plan = {"width": "16 m", "depth": "12 m", "eccentricity": "10 %", "frequency_ratio": 1.1}
     soft = STUDY["buildings"]["soft"] | {"plan": plan}
     limits = {
-        "mu > 3 in line 1 of soft": ("line_mu", 3.0, 0),
-        "mu > 3 in line 2 of soft": ("line_mu", 3.0, 1),
-        "edge_drift > 1 cm in soft storey 1": ("edge_drift", 0.01, None),
-        "drift > 1 cm in soft storey 1": ("drift", 0.01, None),
-        "twist > 0.001 rad in soft": ("twist", 0.001, None),
+        "mu in line 1 of soft > 3": ("line_mu", 3.0, 0),
+        "mu in line 2 of soft > 3": ("line_mu", 3.0, 1),
+        "edge_drift in soft storey 1 > 1 cm": ("edge_drift", 0.01, None),
+        "drift in soft storey 1 > 1 cm": ("drift", 0.01, None),
+        "twist in soft > 0.001 rad": ("twist", 0.001, None),
     }
     study = STUDY | {
         "buildings": STUDY["buildings"] | {"soft": soft},
@@ -280,8 +280,8 @@ def test_limits_of_lines_and_edges_are_those_of_the_results(tmp_path):
 @pytest.mark.parametrize(
     ("limit", "message"),
     [
-        ("mu > 3 in line 3 of soft", "soft has lines 1 to 2"),
-        ("mu > 3 in line 1 of stiff", "stiff has no plan"),
+        ("mu in line 3 of soft > 3", "soft has lines 1 to 2"),
+        ("mu in line 1 of stiff > 3", "stiff has no plan"),
     ],
 )
 def test_limits_of_lines_that_are_not_there_are_refused(tmp_path, limit, message):

@@ -36,15 +36,15 @@ sweep: {records.scale.pga: {from: 0.1 g, to: 2 g, step: 0.1 g}}
 fragility:
   limits:
     - collapse in A
-    - mu > 4 in A
-    - mu > 30 in A
-    - mu > 30 in A storey 1
-    - mu > 4 in A storey 2
-    - mu > 12 in B
-    - acceleration > 60 g in B
+    - mu in A > 4
+    - mu in A > 30
+    - mu in A storey 1 > 30
+    - mu in A storey 2 > 4
+    - mu in B > 12
+    - acceleration in B > 60 g
 """
-COLLAPSE, UPPER = "collapse in A", "mu > 4 in A storey 2"
-B_MU, B_ACCELERATION = "mu > 12 in B", "acceleration > 60 g in B"
+COLLAPSE, UPPER = "collapse in A", "mu in A storey 2 > 4"
+B_MU, B_ACCELERATION = "mu in B > 12", "acceleration in B > 60 g"
 OTHERS = (B_MU, B_ACCELERATION, UPPER)
 
 
@@ -95,7 +95,7 @@ def test_a_limit_is_sought_above_a_collapse(pound, folder):
     text = STUDY[: STUDY.index("fragility")].replace("to: 2 g", "to: 4 g")
     found = {}
     for method in ("ida", "stripes"):
-        (folder / "two.yaml").write_text(f"{text}fragility: {{method: {method}, limits: mu > 0.8 in B}}\n")
+        (folder / "two.yaml").write_text(f"{text}fragility: {{method: {method}, limits: mu in B > 0.8}}\n")
         pound("fragility", "two.yaml", "-o", f"{method}.h5", "-q")
         found[method] = open_results(f"{method}.h5")
     stripes, ida = (found[method].table("fragility_motions") for method in ("stripes", "ida"))
@@ -125,11 +125,11 @@ def test_the_storey_that_collapsed_passes_every_limit_of_its_drift(pound):
     for state in ("with pounding", "alone"):  # ductility at the collapse is below 30
         table = curves("a.h5", state)
         falls = table.loc[COLLAPSE]
-        for limit in ("mu > 30 in A", "mu > 30 in A storey 1"):
+        for limit in ("mu in A > 30", "mu in A storey 1 > 30"):
             assert table.loc[limit, "median"] == falls["median"]
             assert table.loc[limit, "undecided"] == 0
         if state == "with pounding":
-            assert table.loc["mu > 4 in A", "high"] < falls["median"]
+            assert table.loc["mu in A > 4", "high"] < falls["median"]
 
 
 @pytest.mark.parametrize("method", ["stripes", "cloud"])
@@ -149,7 +149,7 @@ def test_other_methods_leave_the_same_undecided(pound, folder, method):
         assert motions[motions["limit"] == limit]["undecided"].sum() == fell
     if method == "stripes":
         assert set(table.loc[list(OTHERS), "outcome"]) == {"undecided"}
-        assert (motions[motions["limit"] == "mu > 30 in A storey 1"]["demand"] == np.inf).sum() == fell
+        assert (motions[motions["limit"] == "mu in A storey 1 > 30"]["demand"] == np.inf).sum() == fell
 
 
 @pytest.mark.filterwarnings("error")
@@ -239,12 +239,12 @@ def solve_or_fail(fails: str):
 def test_failed_time_histories_are_counted_where_there_are_some(pound, folder, fails):
     """Fails if a failed time history counts as one that holds or passes, or the note on it is lost or always there."""
     text = STUDY[: STUDY.index("fragility:")]
-    (folder / "two.yaml").write_text(f"{text}fragility: {{method: stripes, limits: mu > 4 in B}}\n")
+    (folder / "two.yaml").write_text(f"{text}fragility: {{method: stripes, limits: mu in B > 4}}\n")
     code, out, _ = pound("fragility", "two.yaml", "-o", "a.h5", solve=solve_or_fail(fails))
     assert code == (1 if fails else 0)
     assert ("20 time histories failed: counted neither as holding nor as passing." in out) == bool(fails)
     assert ("failed: counted" in out) == bool(fails)
     for state, failed in (("with pounding", 20 if fails else 0), ("alone", 0)):
-        row = curves("a.h5", state).loc["mu > 4 in B"]
+        row = curves("a.h5", state).loc["mu in B > 4"]
         assert (row["histories"], row["failed"]) == (80, failed)
         assert (row["low"] / 9.80665, row["high"] / 9.80665) == pytest.approx((1.0, 1.1))

@@ -233,7 +233,7 @@ def test_every_collapse_of_a_row_is_told(pound, folder):
     assert ((collapsed > 0).ravel().tolist()) == [True, False, True]
 
 
-@pytest.mark.parametrize(("building", "limit"), [("frail", "collapse in frail"), ("house", "mu > 20 in house")])
+@pytest.mark.parametrize(("building", "limit"), [("frail", "collapse in frail"), ("house", "mu in house > 20")])
 def test_a_limit_is_met_by_its_own_part_alone(pound, folder, building, limit):
     """The other part collapses before."""
     curves = []

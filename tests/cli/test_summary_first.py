@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from pounding_cli import open_results
-from tests.adapter import Connector, parse_limit, response, sketch
+from tests.adapter import Connector, Scope, parse_limit, response, sketch
 
 STUDY = """\
 title: Slabs against columns
@@ -176,7 +176,8 @@ def test_a_number_without_meaning_is_marked_where_it_is_the_largest(pound):
 
 @pytest.mark.parametrize("limit", ["drift_ratio > 2 %", "drift_ratio > 0.02"])
 def test_a_limit_of_the_drift_ratio_is_one_of_the_drift_in_parts_of_the_height(limit):
-    assert replace(parse_limit(limit), text="") == replace(parse_limit("drift > 2 %"), text="")
+    scope = Scope(("stiff", "soft"))
+    assert replace(parse_limit(limit, scope), text="") == replace(parse_limit("drift > 2 %", scope), text="")
 
 
 def test_the_first_table_of_the_page_says_where_the_largest_values_stand(pound, folder):

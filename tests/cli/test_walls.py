@@ -69,8 +69,8 @@ def test_values_of_walls_count_in_no_largest(pound):
 @pytest.mark.parametrize(
     ("question", "before", "after", "place", "words"),
     [
-        ("fragility", "mu > 4,", "mu > 4 in soil,", "12:39", "soil is a wall, which has no mu"),
-        ("fragility", "drift > 2 %", "drift > 2 % in rigid", "12:47", "rigid is a wall, which has no drift"),
+        ("fragility", "mu > 4,", "mu in soil > 4,", "12:39", "soil is a wall, which has no mu"),
+        ("fragility", "drift > 2 %", "drift in rigid > 2 %", "12:47", "rigid is a wall, which has no drift"),
         ("fragility", "contact]", "collapse in soil]", "12:80", "soil is a wall, which has no collapse"),
         ("sensitivity", "largest mu,", "largest mu in soil,", "16:25", "soil is a wall, which has no mu"),
         (
@@ -92,8 +92,8 @@ def test_what_a_wall_does_not_have_is_refused(pound, folder, question, before, a
 
 
 def test_the_movement_of_a_wall_on_the_soil_may_be_limited(pound, folder):
-    (folder / "two.yaml").write_text(STUDY.replace("drift > 2 %", "drift > 1 mm in soil"))
+    (folder / "two.yaml").write_text(STUDY.replace("drift > 2 %", "drift in soil > 1 mm"))
     assert pound("fragility", "two.yaml", "-o", "r.h5")[0] == 0
     table = open_results("r.h5").table("fragility")
-    assert table.loc[table["building"] == "soil", "limit"].tolist() == 2 * ["drift > 1 mm in soil"]  # alone and not
+    assert table.loc[table["building"] == "soil", "limit"].tolist() == 2 * ["drift in soil > 1 mm"]  # alone and not
     assert (table["failed"] == 0).all()

@@ -3,12 +3,12 @@ histories and files."""
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 import pytest
-from pydantic_core import PydanticCustomError
 
 import pounding_cli as pound
 from pounding_cli.cli.results import _iter_changes
@@ -294,8 +294,8 @@ def test_an_expression_is_the_number_of_the_tables(results, text, query, column)
         (parse_expression, "mu in line 0 of corner", "there is no line 0", "`line 1`"),
         (parse_statement, "twist in corner > 0.01", "the value has no unit", "> 0.01 rad`"),
         (parse_statement, "mu < 8 in line 1 of corner", "stands behind the value", "`mu in line 1 of corner < 8`"),
-        (parse_statement, "edge_drift > 2 %", "is no value: expected m", "`edge_drift_ratio > 2 %`"),
-        (parse_statement, "drift in line 1 of corner > 2 %", "expected m", "`drift_ratio in line 1 of corner > 2 %`"),
+        (parse_statement, "edge_drift > 2", "the value has no unit", "`edge_drift > 2 cm` or `edge_drift > 2 %`"),
+        (parse_limit, "mu > 3 in line 1 of corner", "stands behind the value", "`mu in line 1 of corner > 3`"),
     ],
 )
 def test_an_expression_that_is_refused(parse, text, message, hint):
@@ -305,11 +305,58 @@ def test_an_expression_that_is_refused(parse, text, message, hint):
     assert hint in refused.value.args[1]
 
 
-def test_a_limit_with_its_value_behind_the_place():
-    with pytest.raises(PydanticCustomError) as refused:
-        parse_limit("mu in line 1 of corner > 3")
-    assert "its value stands behind the place" in refused.value.context["message"]
-    assert refused.value.context["hint"] == "write `mu > 3 in line 1 of corner`"
+@pytest.mark.parametrize(
+    ("text", "written"),
+    [
+        ("mu > 3 in soft", "mu in soft > 3"),
+        ("mu > 3 in line 1 of corner storey 2", "mu in line 1 of corner storey 2 > 3"),
+        ("mu in soft > 3 in storey 2", "mu in soft storey 2 > 3"),
+        ("drift > 2 % in line 1 of corner", "drift in line 1 of corner > 2 %"),
+        ("edge_drift > 2 in in soft", "edge_drift in soft > 2 in"),
+        ("acceleration > 1 g in corner floor 2", "acceleration in corner floor 2 > 1 g"),
+        ("3 in soft < mu", "3 < mu in soft"),
+    ],
+)
+def test_a_place_behind_its_value_is_refused_with_the_line_that_works(text, written):
+    scope = Scope(BUILDINGS)
+    for parse in (parse_statement, parse_limit) if ">" in text else (parse_statement,):
+        with pytest.raises(ExpressionError, match="the place stands behind the value") as refused:
+            parse(text, scope)
+        assert refused.value.args[1] == f"write `{written}`"
+        assert parse(written, scope).text == written
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        ("drift in soft > 2 %", "drift_ratio in soft"),
+        ("1 % < drift < 2 %", "drift_ratio"),
+        ("edge_drift in corner storey 1 > 2 %", "edge_drift_ratio in corner storey 1"),
+        ("drift in line 2 of corner > 2 %", "drift_ratio in line 2 of corner"),
+        ("max(drift in soft, drift in corner) > 2 %", "max(drift_ratio in soft, drift_ratio in corner)"),
+    ],
+)
+def test_a_drift_in_percent_is_that_over_the_storey_height(results, text, name):
+    values = {key: array.values for key, array in results.arrays.data.items() if "analysis" in array.dims}
+    statement = parse_statement(text, Scope(BUILDINGS))
+    found = evaluate_expression(statement.first, values, "largest")
+    expected = evaluate_expression(parse_expression(name, Scope(BUILDINGS)), values, "largest")
+    np.testing.assert_array_equal(found, expected)
+    assert np.isfinite(found).all()
+    assert statement.scale == 0.02
+    assert statement.text == text
+
+
+@pytest.mark.parametrize("text", ["drift0 > 2 %", "drift - drift0 > 2 %", "drift [1 s] > 2 %", "displacement > 2 %"])
+def test_other_lengths_are_not_compared_with_a_part_of_the_height(text):
+    with pytest.raises(ExpressionError, match="is no value: expected"):
+        parse_statement(text, Scope(BUILDINGS))
+
+
+def test_a_ratio_of_two_drifts_is_a_number():
+    """Fails if it is taken over the heights of the storeys."""
+    quantities = parse_statement("drift in soft / drift in corner > 110 %", Scope(BUILDINGS)).quantities
+    assert {each.name for each in quantities} == {"drift"}
 
 
 @pytest.mark.parametrize(
@@ -336,34 +383,44 @@ def test_a_line_that_is_not_there(text, message, hint):
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ("mu > 3 in line 2 of corner", ("mu", 3.0, False, "corner", 0, 2)),
-        ("drift > 2 % in line 1 of corner storey 2", ("drift", 0.02, True, "corner", 2, 1)),
-        ("edge_drift > 2 % in soft", ("edge_drift", 0.02, True, "soft", 0, 0)),
-        ("edge_drift_ratio > 2 %", ("edge_drift", 0.02, True, "", 0, 0)),
-        ("edge_drift > 6 cm in soft storey 2", ("edge_drift", 0.06, False, "soft", 2, 0)),
-        ("twist > 0.01 rad in corner floor 2", ("twist", 0.01, False, "corner", 2, 0)),
-        ("mu > 3 in line", ("mu", 3.0, False, "line", 0, 0)),
+        ("mu in line 2 of corner > 3", ("mu", 3.0, False, 0, 0, 2)),
+        ("drift in line 1 of corner storey 2 > 2 %", ("drift", 0.02, True, 0, 2, 1)),
+        ("drift_ratio in line 1 of corner > 0.02", ("drift", 0.02, True, 0, 0, 1)),
+        ("edge_drift in soft > 2 %", ("edge_drift", 0.02, True, 1, 0, 0)),
+        ("edge_drift_ratio > 2 %", ("edge_drift", 0.02, True, None, 0, 0)),
+        ("edge_drift in soft storey 2 > 6 cm", ("edge_drift", 0.06, False, 1, 2, 0)),
+        ("twist in corner floor 2 > 0.01 rad", ("twist", 0.01, False, 0, 2, 0)),
+        ("mu in line > 3", ("mu", 3.0, False, 2, 0, 0)),
+        ("largest mu in storey 2 > 3", ("mu", 3.0, False, None, 2, 0)),
+        ("shear_demand in soft storey 2 > 3", ("shear_demand", 3.0, False, 1, 2, 0)),
+        ("collapse in soft", ("collapse", 0.0, False, 1, 0, 0)),
+        ("slight damage in line", ("slight damage", 0.0, False, 2, 0, 0)),
     ],
 )
 def test_limits_of_floors_that_twist(text, expected):
-    limit = parse_limit(text)
+    limit = parse_limit(text, Scope((*BUILDINGS, "line")))
     assert (limit.quantity, limit.value, limit.of_height, limit.building, limit.level, limit.line) == expected
 
 
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("mu > 3 in line 1", "line 1 of which building?"),
-        ("mu > 3 in line 1 corner", "line 1 of which building?"),
-        ("acceleration > 1 g in line 1 of corner", "frame lines have no acceleration"),
-        ("twist > 0.01 rad in corner storey 2", "twist belongs to a floor"),
+        ("mu in line 1 > 3", "line 1 of which building?"),
+        ("mu in line 1 corner > 3", "line 1 of which building?"),
+        ("acceleration in line 1 of corner > 1 g", "frame lines have no acceleration"),
+        ("twist in corner storey 2 > 0.01 rad", "twist belongs to a floor"),
         ("twist > 1 cm", "expected rad"),
     ],
 )
 def test_limits_that_are_refused(text, message):
-    with pytest.raises(PydanticCustomError) as refused:
-        parse_limit(text)
-    assert message in refused.value.context["message"]
+    with pytest.raises(ExpressionError, match=re.escape(message)):
+        parse_limit(text, Scope(BUILDINGS))
+
+
+@pytest.mark.parametrize("text", ["shear_demand in soft > 3", "impacts in storey 1 > 3"])
+def test_links_have_no_storeys_in_statements(text):
+    with pytest.raises(ExpressionError, match="belongs to links, not to a building"):
+        parse_statement(text, Scope(BUILDINGS))
 
 
 # Files

@@ -73,9 +73,11 @@ def _describe_curves(results: ResultTables, rows: pd.DataFrame) -> str:
     median = median_column(results.answer(CURVES).column("median"))
     confidence = format_confidence(results)
     pairs = pair_states(rows)
+    buildings = results.names("building")
     twisting = list_twisting_buildings(results)
     return " ".join(
-        f"{describe_curve_place(curve.place, pairs, twisting=twisting)}: {compare_medians(curve, median, confidence)}."
+        f"{describe_curve_place(curve.place, pairs, buildings, twisting=twisting)}: "
+        f"{compare_medians(curve, median, confidence)}."
         for curve in pairs
     )
 

@@ -20,7 +20,7 @@ from pounding_cli.questions.neighbours import build_neighbour_axis, list_drawn
 from pounding_cli.questions.question import Answer, StudyQuestion
 from pounding_cli.questions.specs import Measure
 from pounding_cli.study import Plan, Study, make_plan
-from pounding_cli.study.expression import DAMAGE_LIMITS, LIMITS_OF_PAIRS, Target, parse_limit
+from pounding_cli.study.expression import LIMITS_OF_PAIRS, Target
 from pounding_cli.study.records_spec import INTENSITY_KEYS
 from pounding_cli.study.swept import Point
 
@@ -178,8 +178,7 @@ class Fragility(StudyQuestion):
         """Return the factor on a damage limit of one of the buildings that a neighbour may be [-], 1 of others."""
         name = self.study.spec.group[target.building]
         seen = next((each for each in self.drawn if each.name == name), None)
-        is_damage = parse_limit(str(target.limit)).quantity in DAMAGE_LIMITS
-        if seen is None or self.neighbour_axis is None or not is_damage:
+        if seen is None or self.neighbour_axis is None or not target.is_damage:
             return 1.0
         spreads = seen.archetype.spreads
         return draw_factors(spreads, name, point[self.neighbour_axis], seen.spec.neighbours)["drift"]

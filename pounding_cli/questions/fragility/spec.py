@@ -8,27 +8,25 @@ from pounding_cli.questions.specs import (
     CONFIDENCE_QUANTITY,
     HAZARD_DESCRIPTION,
     INTENSITY_MEASURES,
+    LIMIT,
     Hazards,
     Measure,
     parse_measure,
 )
 from pounding_cli.study.base import Model, one_or_many, spec_field
-from pounding_cli.study.expression import Limit, parse_limit
 from pounding_cli.study.quantity import ParsedText, WholeNumber
-
-_LIMIT = Annotated[Limit, ParsedText(parse_limit, "limit in words", ("mu > 4", "drift > 2 %", "contact"))]
 
 
 class FragilitySpec(Model):
     """Settings of `pound fragility`."""
 
-    limits: one_or_many(_LIMIT, 0, 20, True) = spec_field(  # type: ignore[valid-type]
+    limits: one_or_many(LIMIT, 0, 20, True) = spec_field(  # type: ignore[valid-type]
         (),
         "limits in words, one or a list: `mu > 4`, `drift > 2 %` (of the storey height) or `drift > 6 cm`, "
         "`acceleration > 1 g`, `shear_demand > 1` (of columns that links load), `contact`, `collapse`; of each "
-        "building, or with `in BUILDING`, `in BUILDING storey N` of one; where floors twist `edge_drift > 2 %`, "
-        "`twist > 0.01 rad`, `mu > 4 in line 1 of BUILDING`, too; of buildings that are only seen `slight damage`, "
-        "`moderate damage`, `extensive damage` and `complete damage`, too",
+        "building, or of one: `mu in BUILDING > 4`, `mu in BUILDING storey N > 4`, `collapse in BUILDING`; where "
+        "floors twist `edge_drift > 2 %`, `twist > 0.01 rad`, `mu in line 1 of BUILDING > 4`, too; of buildings that "
+        "are only seen `slight damage`, `moderate damage`, `extensive damage` and `complete damage`, too",
     )
     method: Literal["ida", "stripes", "cloud"] = spec_field(
         "ida",

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from pounding_cli.model.links import LinkPlace, link_places
-from pounding_cli.questions.expressions import find_twist_problem
+from pounding_cli.questions.expressions import find_scope, find_twist_problem
 from pounding_cli.questions.question import StudyQuestion
 from pounding_cli.study import Study
 from pounding_cli.study.archetypes import list_seen
@@ -19,11 +19,12 @@ from pounding_cli.study.expression import (
     EDGE_DRIFT,
     SHEAR_DEMAND,
     TWIST,
+    ExpressionError,
     Limit,
     TableQuantity,
     Target,
+    parse_limit,
 )
-from pounding_cli.study.file import nearest
 from pounding_cli.study.group import unique_names
 from pounding_cli.study.swept import Point
 
@@ -34,10 +35,19 @@ _HINTS = {
 """Hint of a limit that no storey can pass."""
 
 
-def find_targets(question: StudyQuestion, limits: Sequence[Limit]) -> list[Target]:
-    """Return the buildings, or pairs, that limits concern; add what is wrong with these to the question's problems."""
+def find_targets(question: StudyQuestion, texts: Sequence[str]) -> list[Target]:
+    """Return the buildings, or pairs, that limits concern; add what is wrong with these to the question's problems.
+
+    texts : the limits as the study writes them
+    """
+    scope = find_scope(question.study)
     targets: list[Target] = []
-    for number, limit in enumerate(limits):
+    for number, text in enumerate(texts):
+        try:
+            limit = parse_limit(text, scope)
+        except ExpressionError as error:
+            question.add_problem(("limits", number), *error.args)
+            continue
         for target in _find_targets_of_limit(question, limit, number):
             if target in targets:
                 message = f"the limit '{limit}' occurs twice"
@@ -55,23 +65,17 @@ def _find_targets_of_limit(question: StudyQuestion, limit: Limit, number: int) -
     """
     study = question.study
     path = ("limits", number)
-    group = study.spec.group
-    names = unique_names(group)
+    names = unique_names(study.spec.group)
     if limit.quantity == CONTACT:
         return [Target(limit, left) for left in range(len(names) - 1)]
-    if limit.building:
-        places = [place for place, name in enumerate(names) if limit.building in (name, group[place])]
-    else:
-        places = [place for place in range(len(names)) if not question.is_wall(place)]
-    if not places:
-        message = f"'{limit}': no building '{limit.building}' in the group"
-        question.add_problem(path, message, nearest(limit.building, dict.fromkeys((*names, *group))))
-        return []
+    places = [place for place in range(len(names)) if not question.is_wall(place)]
+    if limit.building is not None:
+        places = [limit.building]
     if limit.quantity in DAMAGE_LIMITS:
         return _find_damage_targets(question, limit, number, places)
-    if any(question.lacks(place, limit.quantity) for place in places):
+    if limit.building is not None and question.lacks(limit.building, limit.quantity):
         buildings = [name for place, name in enumerate(names) if not question.is_wall(place)]
-        message = f"'{limit}': {limit.building} is a wall, which has no {limit.quantity}"
+        message = f"'{limit}': {names[limit.building]} is a wall, which has no {limit.quantity}"
         question.add_problem(path, message, f"name one of the buildings: {', '.join(buildings)}")
         return []
     if limit.line or limit.quantity in (EDGE_DRIFT, TWIST):
@@ -98,6 +102,7 @@ def _find_damage_targets(
     places : of the buildings in the group
     """
     study = question.study
+    names = unique_names(study.spec.group)
     seen_by_name = {seen.name: seen for seen in list_seen(study.tree)}
     targets = []
     for place in places:
@@ -109,13 +114,13 @@ def _find_damage_targets(
         ]
         if swept:
             message = f"'{limit}': the drift of {seen.name} is not one number, as '{swept[0]}' is swept"
-            question.add_problem(("limits", number), message, f"write a drift, e.g. `drift > 2 % in {seen.name}`")
+            question.add_problem(("limits", number), message, f"write a drift, e.g. `drift in {names[place]} > 2 %`")
             return []
         drift = seen.archetype.drift_limits[DAMAGE_LIMITS[limit.quantity]]
-        targets.append(Target(replace(limit, quantity="drift", value=drift, of_height=True), place))
+        targets.append(Target(replace(limit, quantity="drift", value=drift, of_height=True), place, is_damage=True))
     if not targets:
-        names = [name for name in seen_by_name if name in study.spec.group]
-        hint = f"name one that is: {', '.join(names)}" if names else "write a drift, e.g. `drift > 2 %`"
+        known = [name for name, of_type in zip(names, study.spec.group, strict=True) if of_type in seen_by_name]
+        hint = f"name one that is: {', '.join(known)}" if known else "write a drift, e.g. `drift > 2 %`"
         question.add_problem(
             ("limits", number), f"'{limit}': damage states are those of buildings with `archetype`", hint
         )
@@ -133,8 +138,7 @@ def _find_twisting_places(question: StudyQuestion, limit: Limit, number: int, pl
     names = unique_names(study.spec.group)
     lines = [study.building(study.first_point, place).lines for place in range(len(names))]
     name = f"line_{limit.quantity}" if limit.line else limit.quantity
-    named = places[0] if limit.building else None
-    problem = find_twist_problem(TableQuantity(name, building=named, line=limit.line), lines, names)
+    problem = find_twist_problem(TableQuantity(name, building=limit.building, line=limit.line), lines, names)
     if problem is not None:
         message, hint = problem
         question.add_problem(("limits", number), f"'{limit}': {message}", hint)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -15,7 +15,7 @@ from pounding_cli.questions.fragility.tables import CURVES, NEIGHBOURS, PERCENT,
 from pounding_cli.questions.frames import ALONE, STATE_COLUMN, WITH_POUNDING
 from pounding_cli.questions.hazard import YEARS
 from pounding_cli.report.evidence import find_nominal
-from pounding_cli.study.expression import COLLAPSE, CONTACT, DAMAGE_LIMITS, EDGE_DRIFT, SHEAR_DEMAND, TWIST, parse_limit
+from pounding_cli.study.expression import EDGE_DRIFT, EVENTS, SHEAR_DEMAND, TWIST, Scope, parse_limit
 from pounding_cli.study.records_spec import INTENSITY_KEYS
 from pounding_cli.tables import Column, Row, Table
 
@@ -95,9 +95,10 @@ def list_sentences(results: ResultTables) -> list[str]:
     median = median_column(answer.column("median"))
     confidence = format_confidence(results)
     point = evidence.format_point(answer.frame.columns)
+    buildings = results.names("building")
     sentences = []
     for number, curve in enumerate(curves[:MAX_SENTENCES]):
-        subject = describe_curve_place(curve.place, curves, point, list_twisting_buildings(results))
+        subject = describe_curve_place(curve.place, curves, buildings, point, list_twisting_buildings(results))
         sentence = f"{subject}: {compare_medians(curve, median, confidence)}."
         if rates and (words := compare_rates(rates[number], confidence, _count_motions(curve))):
             sentence += f" {words}."
@@ -137,13 +138,18 @@ def list_twisting_buildings(results: ResultTables) -> Collection[str]:
 
 
 def describe_curve_place(
-    place: Row, others: list[ComparedCurves], point: str = "", twisting: Collection[str] = ()
+    place: Row,
+    others: list[ComparedCurves],
+    buildings: Sequence[str],
+    point: str = "",
+    twisting: Collection[str] = (),
 ) -> str:
     """Return where a curve stands: building, limit and, where they vary, case, analysis and point of the sweep.
 
+    buildings : names of the group by place
     twisting : buildings whose floors twist, where the drift of a storey is that of its centre of mass
     """
-    limit = describe_limit(str(place["limit"]), twists=place["building"] in twisting)
+    limit = describe_limit(str(place["limit"]), buildings, twists=place["building"] in twisting)
     words = [str(place["building"]).replace("|", " and "), limit]
     if len({other.place["case"] for other in others}) > 1:
         words.append(f"case {place['case']}")
@@ -154,16 +160,16 @@ def describe_curve_place(
     return ", ".join(words)
 
 
-def describe_limit(text: str, twists: bool = False) -> str:
+def describe_limit(text: str, buildings: Sequence[str], twists: bool = False) -> str:
     """Return a limit in words: "ductility of storey 2 above 4".
 
+    buildings : names of the group by place
     twists : whether the floors of the building twist, so that the drift of a storey is that of its centre of mass
     """
-    limit = parse_limit(text)
-    if limit.quantity in (CONTACT, COLLAPSE, *DAMAGE_LIMITS):
+    limit = parse_limit(text, Scope(tuple(buildings)))
+    if limit.quantity in EVENTS:
         return limit.quantity
-    comparison = text.rpartition(" in ")[0] if limit.building or limit.level else text
-    value = comparison.partition(">")[2].strip()
+    value = text.partition(">")[2].strip()
     if limit.of_height:
         value = f"{100 * limit.value:.6g} % of the storey height"
     quantity = _QUANTITIES[limit.quantity]
