@@ -49,7 +49,7 @@ def find_at_instant(history: ResultArrays, quantity: TableQuantity, gaps: np.nda
     """
     assert quantity.instant is not None
     times = history["time"].values.astype(float)
-    instant = find_instant(history, quantity, times, gaps)
+    instant = find_instant(history, quantity, quantity.instant, times, gaps)
     if not times[0] <= instant <= times[-1]:
         return np.nan
     if quantity.name == _TIME:
@@ -58,15 +58,22 @@ def find_at_instant(history: ResultArrays, quantity: TableQuantity, gaps: np.nda
 
 
 def find_instant(
-    history: ResultArrays, quantity: TableQuantity, times: np.ndarray, gaps: np.ndarray | None
-) -> float:  # fmt: skip
-    """Return when an instant is [s]; NaN where it never comes."""
-    instant = quantity.instant
-    assert instant is not None
+    history: ResultArrays, quantity: TableQuantity, instant: Instant, times: np.ndarray, gaps: np.ndarray | None
+) -> float:
+    """Return when an instant is [s]; NaN where it never comes.
+
+    quantity : whose building, storey or floor is meant
+    """
     if instant.kind == _TIME:
         return instant.delay
     if instant.kind in ("largest", "smallest"):
         series = read_series(history, instant.quantity, quantity, times)
+        if instant.end is not None:
+            end = find_instant(history, quantity, instant.end, times, gaps)
+            part = times >= end if instant.side == "after" else times <= end
+            if not part.any():
+                return np.nan
+            series, times = series[part], times[part]
         most = series.argmax() if instant.kind == "largest" else series.argmin()
         return float(times[most]) + instant.delay
     crossings = find_crossings(history, instant, times, gaps)

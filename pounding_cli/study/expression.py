@@ -155,12 +155,16 @@ class Instant:
     number : of the contact from 1, from the last one back below 0
     quantity : of HISTORY, of `largest` and `smallest`
     delay : after it [s]
+    side : `after` or `before`, where the largest or smallest of a part of the history is meant
+    end : of that part; None of the whole history
     """
 
     kind: str
     number: int = 0
     quantity: str = ""
     delay: float = 0.0
+    side: str = ""
+    end: Instant | None = None
 
 
 @dataclass(frozen=True)
@@ -318,7 +322,8 @@ def _parse_quantity(match: re.Match[str], scope: Scope) -> TableQuantity:
     level = 0
     if place.level:
         owners = FLOOR if instant is None else _OF_FLOORS
-        level = _check_level(place.level, name in owners, name)
+        of_place = instant.quantity or name if instant is not None and name == "time" else name
+        level = _check_level(place.level, of_place in owners, of_place)
     quantity = TableQuantity(
         of_line, match["how"] or REDUCTIONS[0], place.building, level, line, match["over"] or "", place.role,
         place.case, place.analysis, place.motion, place.law, point, instant,
@@ -425,9 +430,13 @@ def _take_place(places: _Places, written: str, scope: Scope) -> None:
 
 _INSTANT = re.compile(
     r"(?:(?P<time>[-+.0-9]\S* ?[A-Za-zµ]+)(?:\s+(?P<side>after|before)\s+|\Z))?"
-    r"(?:(?P<kind>contact|release)\s+(?P<number>-?[1-9][0-9]*)|(?P<most>largest|smallest)\s+(?P<quantity>\w+))?\Z"
+    r"(?:(?P<kind>contact|release)\s+(?P<number>-?[1-9][0-9]*)|"
+    r"(?P<most>largest|smallest)\s+(?P<quantity>\w+)(?:\s+(?P<part>after|before)\s+(?P<end>.+))?)?\Z"
 )
-_INSTANT_HINT = "write e.g. `[1.1 s]`, `[contact 1]`, `[release 1]`, `[0.2 ms after contact 1]` or `[largest closing]`"
+_INSTANT_HINT = (
+    "write e.g. `[1.1 s]`, `[contact 1]`, `[release 1]`, `[0.2 ms after contact 1]`, `[largest closing]` or "
+    "`[largest closing after contact 2]`"
+)
 _OF_FLOORS = ("displacement", "velocity", "total_acceleration", "twist")
 
 
@@ -490,7 +499,8 @@ def _parse_instant(text: str) -> Instant:
         if match["quantity"] not in HISTORY or match["quantity"] == "time":
             message = f"[{text}]: no quantity '{match['quantity']}' over time"
             raise ExpressionError(message, nearest(match["quantity"], HISTORY))
-        return Instant(match["most"], 0, match["quantity"], delay)
+        end = _parse_instant(match["end"]) if match["end"] else None
+        return Instant(match["most"], 0, match["quantity"], delay, match["part"] or "", end)
     if match["kind"]:
         return Instant(match["kind"], int(match["number"]), "", delay)
     return Instant("time", 0, "", delay)

@@ -114,8 +114,8 @@ class StatementSpec(Model):
         "comparisons of columns of the tables with each other or with values, one or a list: `mean V_ratio in infill < "
         "mean V_ratio in touching`, `0 < mu in soft / mu in stiff - 1 < 15 %`; places behind `in` are buildings, "
         "`storey N`, cases, analyses, motions, `pounding links`, `stiffest building`, `softer buildings`; in brackets "
-        "a point of the sweep, `mu [cases.near.gap = 2 cm]`, or an instant of a kept history, `displacement in soft "
-        "floor 1 [1.1 s]`, `time [contact 2]`",
+        "a point of the sweep, `mu [cases.near.gap = 2 cm]`, or an instant of a kept history, "
+        "`displacement in soft floor 1 [1.1 s]`, `time [contact 2]`, `time [largest link_force after contact 2]`",
     )
     number: _TEXT | None = spec_field(None, "the number that `is` tells", "largest displacement in left floor 3")
     is_: _WRITTEN_VALUE | None = spec_field(None, "what the number should be, with its unit", "32.9 cm", alias="is")

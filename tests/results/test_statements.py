@@ -118,6 +118,13 @@ def test_a_number_is_that_of_the_tables(folder, results, text, expected):
     assert found["margin"].tolist() == pytest.approx([expected(results) / 2], rel=1e-12)
 
 
+def test_an_energy_is_compared_with_one_in_joules(folder, results):
+    lost = results.scene().query(f"{STOREYS} and record == 'taft'")["energy_links"].iloc[0]
+    text = "energy_links in near elastic taft [impact.restitution = 0.6] > 1 kJ"
+    frame = solve(folder, {"holds": text}).table("statements")
+    assert frame["margin"].tolist() == pytest.approx([lost - 1000.0])
+
+
 def test_what_a_statement_leaves_open_has_a_row_each(folder):
     """Point, case and analysis; a mean of motions has one row."""
     frame = solve(folder, {"holds": "drift in stiff > 0 cm"}).table("statements")
@@ -244,6 +251,11 @@ def find_meetings(history) -> np.ndarray:
     return history.time[1:][(depth[:-1] < 0) & (depth[1:] >= 0)]
 
 
+def find_most(history, values: np.ndarray, part: np.ndarray) -> float:
+    """The time at which values are largest in a part of the history [s]."""
+    return history.time[part][values[part].argmax()]
+
+
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
@@ -253,6 +265,18 @@ def find_meetings(history) -> np.ndarray:
         ("time [2 ms after contact 1] - time [contact 1]", lambda h: 0.002),
         ("time [contact 1] - time [3 ms before contact 1]", lambda h: 0.003),
         ("time [largest closing]", lambda h: h.time[h.closing[:, 0].argmax()]),
+        (
+            "time [largest link_force before 5 ms after contact 1]",
+            lambda h: find_most(h, h.link_force[:, 0], h.time <= find_meetings(h)[0] + 0.005),
+        ),
+        (
+            "time [largest closing after contact -1]",
+            lambda h: find_most(h, h.closing[:, 0], h.time >= find_meetings(h)[-1]),
+        ),
+        (
+            "time in stiff floor 2 [largest displacement after smallest displacement]",
+            lambda h: find_most(h, h.displacement[:, 0, 1], h.time >= h.time[h.displacement[:, 0, 1].argmin()]),
+        ),
         ("closing [largest closing]", lambda h: h.closing[:, 0].max()),
         ("link_force [largest closing]", lambda h: h.link_force[h.closing[:, 0].argmax(), 0]),
         ("0 - displacement in stiff floor 1 [smallest displacement]", lambda h: -h.displacement[:, 0, 0].min()),
