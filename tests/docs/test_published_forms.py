@@ -274,3 +274,21 @@ def test_blows_of_spheres_are_those_of_hertz(tmp_path):
     for mass, stiffness, speed in SPHERES.values():
         exact = published.find_hertz_blow(mass, stiffness, speed)
         assert tuple(blows.loc[stiffness, ["peak_force", "contact_time"]]) == pytest.approx(exact, rel=3e-6)
+
+
+def test_the_motion_of_sdnd102_starts_the_oscillator_as_its_header_says():
+    """Fails if the file is not that of the formula, or leaves the oscillator with another place or speed at 0.1 s."""
+    motion = np.loadtxt(STUDIES / "sdnd102.txt")
+    step, lead, damping, w = 0.5e-3, 0.1, 0.07, 20 * pi
+    times = step * np.arange(len(motion))
+    harmonic = np.sin(w * (times - lead)) + 2 * damping * np.cos(w * (times - lead))
+    start = round(lead / step)
+    assert motion[start:] == pytest.approx(harmonic[start:], abs=1e-6)
+
+    def move(time, state):
+        return state[1], -np.interp(time, times, motion) - 2 * damping * w * state[1] - w**2 * state[0]
+
+    run = solve_ivp(move, (0, lead), (0.0, 0.0), rtol=1e-9, atol=1e-14, max_step=step)
+    assert run.y[0, -1] == pytest.approx(0.0, abs=1e-8)
+    assert run.y[1, -1] == pytest.approx(-1 / w, rel=1e-4)
+    assert run.y[0].max() < 0.5e-3  # no contact before
