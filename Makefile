@@ -87,7 +87,7 @@ $(PEERS): $(STAMP) requirements/peers.txt
 	$(UV) --require-hashes --no-deps -r requirements/peers.txt
 	touch $(PEERS)
 
-# Three pairs by this program and by OpenSees side by side into docs/verification.md, then the tests against other
+# Three pairs by this program and by OpenSees side by side into docs/published.md, then the tests against other
 # programs (OpenSeesPy needs Debian's libblas3), and with one that reads its exports.
 peers: $(PEERS)
 	$(BIN)/python -m tests.peers.side_by_side

@@ -1,5 +1,5 @@
 """`python -m tests.peers.side_by_side`: three pairs that strike each other, by `pound` and by OpenSees, into
-docs/verification.md.
+docs/published.md.
 
 `pound` solves the studies of `pairs/*.yaml`; `opensees_pairs.py` has the same buildings written by hand for OpenSees.
 """
@@ -19,7 +19,7 @@ from tests.bench.pages import ROOT, format_error, format_machine, format_time, t
 from tests.bench.performance import solved
 
 STUDIES = Path(__file__).parent / "pairs"
-PAGE = ROOT / "docs" / "verification.md"
+PAGE = ROOT / "docs" / "published.md"
 BEGIN = "<!-- peers: begin -->"
 END = "<!-- peers: end -->"
 

@@ -1,4 +1,4 @@
-"""The table of docs/verification.md of pairs by `pound` and by OpenSees: its shape, its numbers and how they differ."""
+"""The table of docs/published.md of pairs by `pound` and by OpenSees: its shape, its numbers and how they differ."""
 
 from __future__ import annotations
 
