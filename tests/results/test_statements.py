@@ -223,6 +223,21 @@ def test_a_printed_number_is_met_within_what_is_allowed(folder, results):
     ]  # fmt: skip
 
 
+def test_a_drift_in_percent_is_that_over_the_storey_height(folder, results):
+    """Fails if a drift is read in metres, or over the height of the building."""
+    rows = results.storey().query(f"{STOREYS} and building == 'stiff' and record == 'taft'")
+    ratio = rows["drift"].max() / 3.0  # storeys are 3 m high unless the study writes their height
+    number = "drift in near elastic stiff taft [impact.restitution = 0.6]"
+    for statement, outcome in (
+        ({"number": number, "is": f"{100.9 * ratio:.9f} %", "within": "1 %"}, HOLDS),
+        ({"number": number, "is": f"{101.2 * ratio:.9f} %", "within": "1 %"}, FAILS),
+        ({"holds": f"{number} > {99 * ratio:.9f} %"}, HOLDS),
+        ({"holds": f"{number} > {101 * ratio:.9f} %"}, FAILS),
+    ):
+        (row,) = solve(folder, statement, estimate="none").table("statements").to_dict("records")
+        assert (row["outcome"], row["number"]) == (outcome, pytest.approx(ratio))
+
+
 def test_a_study_that_is_changed_has_another_verdict(folder):
     """Fails if the verdict does not come from the run."""
     statement = {"holds": "impacts in touching elastic > 0"}
