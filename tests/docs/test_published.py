@@ -24,6 +24,10 @@ BREAKS = yaml.safe_load((Path(__file__).parent / "published_breaks.yaml").read_t
 """Study -> texts of its file with others in their place, each of which changes some rows of its table."""
 
 
+BY_LAW = "continuously active throughout the entire motion"
+"""Words of the statement of Figs 6 and 7 that the law of a connector makes true in every study."""
+
+
 def skip_what_is_not_here(name: str) -> None:
     """Skip a study whose motions are not installed, or that only the nightly tests run."""
     if name not in SOON and "POUND_NIGHTLY" not in os.environ:
@@ -84,18 +88,17 @@ def test_a_study_that_is_broken_has_another_table(name, tmp_path):
     """Every row changes under some break: the verdict of one that holds, the number of one that does not."""
     skip_what_is_not_here(name)
     before = PUBLISHED.split_rows(read_table(name))
-    unchanged = {row.what: row for row in before}
+    unchanged = {number for number, row in enumerate(before) if BY_LAW not in row.what}
     for number, (old, new) in enumerate(BREAKS[name]):
         folder = tmp_path / str(number)
         folder.mkdir()
         results = PUBLISHED.solve_study(name, folder, ((old, new),))
         after = PUBLISHED.split_rows(PUBLISHED.format_rows(PUBLISHED.find_verdicts(results)))
         assert [row.what for row in after] == [row.what for row in before]
-        for row in after:
-            was = unchanged.get(row.what)
-            if was is not None and (row.verdict != was.verdict if was.verdict.startswith(HOLDS) else row != was):
-                del unchanged[row.what]
-    assert not unchanged
+        for place, (was, row) in enumerate(zip(before, after, strict=True)):
+            if row.verdict != was.verdict if was.verdict.startswith(HOLDS) else row != was:
+                unchanged.discard(place)
+    assert [before[place].what for place in unchanged] == []
 
 
 # The rows, from planted statements
