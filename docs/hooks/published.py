@@ -158,7 +158,7 @@ def _iter_cells(verdict: Verdict) -> Iterator[Cells]:
     what = f"{verdict.says} ({verdict.reading})" if verdict.reading else verdict.says
     rows = pd.DataFrame(verdict.rows)
     known = rows[rows["outcome"] != UNKNOWN]
-    numbers = known["number"] if len(known) else rows["number"]
+    numbers = known["number"] if len(known) else rows["number"].fillna(math.inf)
     unit, written = str(rows["unit"].iloc[0]), str(rows["written_unit"].iloc[0])
     printed = float(rows["printed"].iloc[0])
     if math.isnan(printed):
