@@ -25,6 +25,7 @@ import pandas as pd
 import yaml
 
 import pounding_cli as pound
+from pounding_cli.numbers import NOTHING
 from pounding_cli.questions.run.statements import HOLDS, UNKNOWN, Verdict, format_value, list_verdicts
 from pounding_cli.units import find_unit_factor
 
@@ -158,7 +159,7 @@ def _iter_cells(verdict: Verdict) -> Iterator[Cells]:
     what = f"{verdict.says} ({verdict.reading})" if verdict.reading else verdict.says
     rows = pd.DataFrame(verdict.rows)
     known = rows[rows["outcome"] != UNKNOWN]
-    numbers = known["number"] if len(known) else rows["number"].fillna(math.inf)
+    numbers = known["number"]
     unit, written = str(rows["unit"].iloc[0]), str(rows["written_unit"].iloc[0])
     printed = float(rows["printed"].iloc[0])
     if math.isnan(printed):
@@ -167,6 +168,9 @@ def _iter_cells(verdict: Verdict) -> Iterator[Cells]:
         yield Cells(what, "in words", f"{found}; to be {worst['bound']}", "", str(verdict))
         return
     as_printed = str(rows["comparison"].iloc[0]).rpartition(" = ")[2]
+    if not len(known):
+        yield Cells(what, as_printed, NOTHING, "", str(verdict))
+        return
     digits = len(re.sub(r"[eE].*", "", as_printed.split()[0]).partition(".")[2])
     ends = sorted({float(numbers.min()), float(numbers.max())})
     ours = " to ".join(_write_alike(end, as_printed, digits, unit, written) for end in ends)
