@@ -89,6 +89,7 @@ def run_study(
     KeyboardInterrupt : stopped
     """
     begin = time.perf_counter()
+    question.check_changes()
     reporter = progress or Progress()
     study = question.study
     workers_of = open_pool(engine, workers, scheduler)

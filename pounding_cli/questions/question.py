@@ -138,6 +138,9 @@ class StudyQuestion(ABC):
         wall = self.study.building(self.study.first_point, place)
         return isinstance(wall, Wall) and not (wall.moves and quantity in WALL_QUANTITIES)
 
+    def check_changes(self) -> None:  # noqa: B027 - most questions take every change
+        """Raise InputError where a value that is changed for this run has no effect on the answer."""
+
     def refuse_histories(self, subject: str) -> None:
         """Note that histories are to be kept of a subject that nobody knows beforehand."""
         if self.study.spec.keep is not None:

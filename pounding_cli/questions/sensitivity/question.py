@@ -121,7 +121,6 @@ class Sensitivity(StudyQuestion):
                     problems.add(each.mark, "the study has one motion: there is nothing to choose", hint)
                 self.motion_sets = each.draw_sets(spec.seed)
         self.refuse_histories("samples")
-        self._refuse_drawn_changes()
         if spec.statements and not study.spec.statements:
             hint = "write `statements:` at the top of the study, a list of `{says: ..., holds: ...}`"
             self.add_problem(("statements",), "the study has no statements", hint, key=True)
@@ -137,14 +136,15 @@ class Sensitivity(StudyQuestion):
             self.add_problem(("samples",), message, f"keep it to {MAX_SAMPLES}: write fewer")
         problems.check()
 
-    def _refuse_drawn_changes(self) -> None:
-        """Note changed values that have no effect, since their keys are drawn from a distribution."""
+    def check_changes(self) -> None:
+        """Raise InputError where a changed value has no effect, since its key is drawn from a distribution."""
         drawn = {member.key for each in self.inputs for member in each.members}
         for change in self.study.changes:
             if change.key in drawn:
                 message = "has no effect: under `uncertain:` the key is drawn from a distribution"
                 hint = f"change that, `uncertain.{change.key}=...`, or leave it out"
                 self.problems.add(change.mark, message, hint)
+        self.problems.check()
 
     # The samples
 
