@@ -58,8 +58,11 @@ def read_statements(question: StudyQuestion) -> list[StudyStatement]:
     statements, faults = parse_statements(specs, find_scope(study, whole=True))
     places = [(("statements", *path), message, hint) for path, message, hint in faults]
     for number, statement in enumerate(statements):
+        written = [" ".join(text.split()) for text in specs[number].holds]
         for comparison in statement.comparisons:
-            places += [(("statements", number), *each) for each in find_missing_places(comparison, question)]
+            text = comparison.text
+            key = ("holds", written.index(text)) if text in written else ("number",)
+            places += [(("statements", number, *key), *each) for each in find_missing_places(comparison, question)]
         if statement.needs_histories and study.spec.keep is None:
             message = f"statement {statement.name} rests on an instant, and the study keeps no histories"
             places.append((("statements", number), message, "write e.g. `keep: {histories: {every: 1 ms}}`"))
