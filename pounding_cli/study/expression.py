@@ -298,6 +298,10 @@ def _parse_quantity(match: re.Match[str], scope: Scope) -> TableQuantity:
     """Return the quantity of a phrase such as `mean mu in soft storey 2`.  Raises ExpressionError."""
     name = match["name"]
     buildings = scope.buildings
+    if name == "in":
+        raise ExpressionError(
+            "places stand behind one `in`, before brackets", f"write e.g. `time in {buildings[0]} [1.1 s]`"
+        )
     if name == "line":
         raise ExpressionError("a frame line stands before its building", f"write e.g. `mu in line 1 of {buildings[0]}`")
     if name in LINE:

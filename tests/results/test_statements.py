@@ -338,6 +338,8 @@ def test_a_time_may_be_that_of_a_floor(folder):
         ("mu [impact.stiffness = 3] > 1", "'impact.stiffness' is not swept", "none is defined"),
         ("largest mean mu in stiff > 1", "of the buildings, then of their storeys", "one of the two"),
         ("mu = 3", "is not compared", "`mu > 4`"),
+        ("time [contact 1] in near > 1 s", "places stand behind one `in`, before brackets", "[1.1 s]"),
+        ("mu in stiff in near > 1", "places stand behind one `in`", "[1.1 s]"),
         ("period in storey 2 > 1 s", "period belongs to a building, not to a storey", "leave 'storey 2' out"),
         ("pga in storey 2 > 1 g", "pga belongs to a motion", "leave the storey out"),
         ("events in stiff > 1", "events belongs to a time history", "leave the building out"),
@@ -389,6 +391,24 @@ def test_a_statement_that_is_refused(folder, statement, message):
     with pytest.raises(InputError) as refused:
         solve(folder, statement)
     assert message in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("kept", "named"),
+    [
+        ({"cases": ["touching"]}, "near"),
+        ({"analyses": ["elastic"]}, "inelastic"),
+        ({"records": ["elcentro"]}, "taft"),
+    ],
+)
+def test_an_instant_of_a_history_that_is_not_kept_is_refused(folder, kept, named):
+    """Those that a comparison leaves open are not tested; another one is."""
+    keep = {"histories": {**kept, "every": "10 ms"}}
+    (other,) = next(iter(kept.values()))
+    with pytest.raises(InputError, match=f"rests on a history of {named}, which is not kept"):
+        solve(folder, {"holds": f"drift in stiff {named} [1 s] < 1 m"}, keep=keep, estimate="none")
+    frame = solve(folder, {"holds": f"drift in stiff {other} [1 s] < 1 m"}, keep=keep, estimate="none")
+    assert HOLDS in set(frame.table("statements")["outcome"])
 
 
 def test_two_statements_of_one_name_are_refused(folder):
