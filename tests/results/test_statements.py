@@ -24,6 +24,7 @@ from pounding_cli.questions.run.statements import (
     list_verdicts,
     view_verdicts,
 )
+from pounding_cli.questions.sensitivity.question import Sensitivity
 from pounding_cli.study.expression import QUANTITIES, ExpressionError, Scope, parse_statement
 
 STUDY: dict[str, Any] = {
@@ -450,3 +451,13 @@ def test_the_comparison_has_a_column_a_place_and_missed_numbers_bold(folder):
     cells = " | ".join(f"**{format_value(number, 'm', 'mm')}**" for number in numbers)
     assert f"| slow: drift in touching elastic stiff < 1 mm | {cells} |" in lines
     assert not math.isnan(numbers[0])
+
+
+def test_a_sensitivity_refuses_instants():
+    """It keeps no histories; fails if the refusal asks to keep them, which it refuses too."""
+    study = {**STUDY, "sweep": None, "sensitivity": {"statements": "all", "samples": 8}}
+    study["uncertain"] = {"impact.restitution": {"uniform": {"from": 0.4, "to": 0.65}}, "motion": "any"}
+    study["statements"] = [{"says": "a", "holds": "time [contact 1] > 1 s"}]
+    study = {key: value for key, value in study.items() if value is not None}
+    with pytest.raises(InputError, match=r"`pound sensitivity` keeps no histories"):
+        Sensitivity(pound.load_study(study))

@@ -65,7 +65,10 @@ def read_statements(question: StudyQuestion) -> list[StudyStatement]:
             key = ("holds", written.index(text)) if text in written else ("number",)
             places += [(("statements", number, *key), *each) for each in find_missing_places(comparison, question)]
         places += [(("statements", number), *each) for each in _find_lost_histories(statement, study)]
-        if statement.needs_histories and study.spec.keep is None:
+        if statement.needs_histories and question.name != Run.name:
+            message = f"statement {statement.name} rests on an instant, and `pound {question.name}` keeps no histories"
+            places.append((("statements", number), message, "move it to another study, for `pound run`"))
+        elif statement.needs_histories and study.spec.keep is None:
             message = f"statement {statement.name} rests on an instant, and the study keeps no histories"
             places.append((("statements", number), message, "write e.g. `keep: {histories: {every: 1 ms}}`"))
     for path, message, hint in places:
