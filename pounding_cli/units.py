@@ -20,7 +20,7 @@ _UNITS = {
     "m": ("1", _LENGTH), "in": ("0.0254", _LENGTH), "ft": ("0.3048", _LENGTH),
     "s": ("1", _TIME), "sec": ("1", _TIME), "min": ("60", _TIME), "Hz": ("1", (0.0, 0.0, -1.0)),
     "g": ("0.001", _MASS), "t": ("1000", _MASS),
-    "N": ("1", (1.0, 1.0, -2.0)), "J": ("1", (1.0, 2.0, -2.0)), "Pa": ("1", (1.0, -1.0, -2.0)),
+    "N": ("1", (1.0, 1.0, -2.0)), "Pa": ("1", (1.0, -1.0, -2.0)), "J": ("1", (1.0, 2.0, -2.0)),
     "Gal": ("0.01", (0.0, 1.0, -2.0)), "gal": ("0.01", (0.0, 1.0, -2.0)),
     "%": ("0.01", _PLAIN), "rad": ("1", _PLAIN),
 }  # fmt: skip
@@ -41,7 +41,8 @@ _ONE |= {
     "psi": (_POUND_FORCE / _INCH**2, (1.0, -1.0, -2.0)), "ksi": (1000 * _POUND_FORCE / _INCH**2, (1.0, -1.0, -2.0)),
 }  # fmt: skip
 KNOWN_UNITS = (
-    "m, cm, mm, km, in, ft; s, ms, min; kg, g, t, lb; N, kN, MN, kgf, tonf, lbf, kip; J; Pa, psi, ksi; Hz, Gal, rad, %"
+    "m, cm, mm, km, in, ft; s, ms, min; kg, g, t, lb; N, kN, MN, kgf, tonf, lbf, kip; Pa, psi, ksi; J, kJ; "
+    "Hz, Gal, rad, %"
 )
 """The units that people write, with their prefixes, for messages."""
 _NAME = re.compile(r"[A-Za-z]+|%")

@@ -113,6 +113,13 @@ def find_margin(
     return statement.margin(lambda quantity: _evaluate_quantity(quantity, values, over_motions, instants))
 
 
+def find_held(
+    statement: Statement, values: Values, over_motions: str, instants: FindAtInstant | None = None
+) -> np.ndarray:  # fmt: skip
+    """Return 1 where a statement holds, 0 where it does not, NaN where it is not known; as `find_margin`."""
+    return statement.find_held(lambda quantity: _evaluate_quantity(quantity, values, over_motions, instants))
+
+
 def evaluate_parts(
     statement: Statement, values: Values, over_motions: str, instants: FindAtInstant | None = None
 ) -> list[np.ndarray]:  # fmt: skip
@@ -153,9 +160,9 @@ def find_spread(
 
     total = np.zeros(())
     for part in quantities:
-        if part.instant is not None or part.name in (*FACTS, *OF_MOTIONS):
+        if part.instant is None and part.name in (*FACTS, *OF_MOTIONS):
             continue
-        if kind == "sensitivity" and part.name in NO_PEAKS:
+        if part.instant is not None or (kind == "sensitivity" and part.name in NO_PEAKS):
             total = total * np.nan
             continue
         error = _find_error(part.name, values, kind)

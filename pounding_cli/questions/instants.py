@@ -89,7 +89,8 @@ def find_crossings(
     """Return the times at which the first two floors of the row meet, or the last ones part [s]."""
     if gaps is None or not gaps.size:
         return np.array([])
-    depth = np.nanmax(history["closing"].values.astype(float) - gaps, axis=1)
+    depths = history["closing"].values.astype(float) - gaps  # NaN of links that the case does not have
+    depth = np.where(np.isnan(depths), -np.inf, depths).max(axis=1)
     values = depth if instant.kind == "contact" else -depth
     before = np.flatnonzero((values[:-1] < 0) & (values[1:] >= 0))
     part = values[before] / (values[before] - values[before + 1])

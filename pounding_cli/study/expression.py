@@ -302,6 +302,10 @@ def _parse_quantity(match: re.Match[str], scope: Scope) -> TableQuantity:
     """Return the quantity of a phrase such as `mean mu in soft storey 2`.  Raises ExpressionError."""
     name = match["name"]
     buildings = scope.buildings
+    if name == "in":
+        raise ExpressionError(
+            "places stand behind one `in`, before brackets", f"write e.g. `time in {buildings[0]} [1.1 s]`"
+        )
     if name == "line":
         raise ExpressionError("a frame line stands before its building", f"write e.g. `mu in line 1 of {buildings[0]}`")
     if name in LINE:
@@ -319,13 +323,21 @@ def _parse_quantity(match: re.Match[str], scope: Scope) -> TableQuantity:
     names = [each.removeprefix("line_") for each in LINE]
     line = _check_line(place.line, name, names)
     of_line = f"line_{name}" if line else name
+    reduction = match["how"] or ""
+    if not (name == SHEAR_DEMAND and scope.of_limits):
+        _check_owner(name, instant, place, reduction)
     level = 0
     if place.level:
+<<<<<<< HEAD
         owners = FLOOR if instant is None else _OF_FLOORS
         of_place = instant.quantity or name if instant is not None and name == "time" else name
         level = _check_level(place.level, of_place in owners, of_place)
+=======
+        owner = name if instant is None or name in _HISTORY_OF_LEVELS else instant.quantity
+        level = _check_level(place.level, owner in (FLOOR if instant is None else _OF_FLOORS), owner)
+>>>>>>> stranger
     quantity = TableQuantity(
-        of_line, match["how"] or REDUCTIONS[0], place.building, level, line, match["over"] or "", place.role,
+        of_line, reduction or REDUCTIONS[0], place.building, level, line, match["over"] or "", place.role,
         place.case, place.analysis, place.motion, place.law, point, instant,
     )  # fmt: skip
     if quantity.over_buildings and (name not in (*STOREY, *FLOOR) or quantity.building is not None):
@@ -333,6 +345,42 @@ def _parse_quantity(match: re.Match[str], scope: Scope) -> TableQuantity:
             f"'{match['over']} {match['how']}' is of the buildings, then of their storeys", "write one of the two"
         )
     return quantity
+
+
+def _check_owner(name: str, instant: Instant | None, place: _Places, reduction: str) -> None:
+    """Raise ExpressionError where a phrase names a place that its quantity does not have, or reduces one number.
+
+    reduction : as written; "" of none
+    """
+    written = place.role or place.level
+    if instant is not None:
+        has_building = any(each in _HISTORY_OF_BUILDINGS for each in (name, instant.quantity))
+        has_level = any(each in _HISTORY_OF_LEVELS for each in (name, instant.quantity))
+        owner = "links" if name in _HISTORY_OF_LINKS else "a time history"
+        if place.line is not None:
+            raise ExpressionError("histories of frame lines have no numbers of an instant", "leave the line out")
+        if place.role:
+            raise ExpressionError(f"'{place.role}' has no numbers of an instant", "write the name of the building")
+        if reduction:
+            hint = f"leave '{reduction}' out, and name the building and its storey or floor"
+            raise ExpressionError(f"'{reduction}' is not of a number at an instant", hint)
+    else:
+        dims = variables.VARIABLES[f"record_{name}" if name in OF_MOTIONS else name].dims
+        has_building = "building" in dims
+        has_level = "storey" in dims or "floor" in dims
+        owner = "a motion" if name in OF_MOTIONS else "a time history"
+        if reduction and not has_building and "link" not in dims:
+            hint = f"write `{name}`; `over_motions:` tells what is taken over the motions"
+            raise ExpressionError(f"{name} is one number of {owner}, without a {reduction} one", hint)
+    if not has_building and (place.building is not None or written):
+        raise ExpressionError(f"{name} belongs to {owner}, not to a building", f"leave the {_say_place(place)} out")
+    if place.level and not has_level:
+        raise ExpressionError(f"{name} belongs to a building, not to a storey or floor", f"leave '{written}' out")
+
+
+def _say_place(place: _Places) -> str:
+    """Return the kind of the place of a building that a phrase names."""
+    return "building" if place.building is not None or place.role else place.level.split()[0]
 
 
 @dataclass
@@ -378,6 +426,8 @@ def _parse_places(match: re.Match[str], name: str, scope: Scope) -> _Places:
         )
     for each in written:
         _take_place(places, each, scope)
+    if places.law and name in _HISTORY_OF_LINKS:
+        raise ExpressionError(f"{name} is of all links of a case, not of one law", "leave the links out")
     if places.law and not is_link:
         raise ExpressionError(f"{name} belongs to no link", "leave the links out")
     if is_link and (places.building is not None or places.role or places.level):
@@ -410,8 +460,12 @@ def _take_place(places: _Places, written: str, scope: Scope) -> None:
             raise ExpressionError(f"'{written}' is a second {first}", f"write one {first}")
         places.level = written
     elif written in (STIFFEST, SOFTER):
+        if places.role or places.building is not None:
+            raise ExpressionError(f"'{written}' is a second building", "write one building")
         places.role = written
     elif (law := written.removesuffix(" links")) != written:
+        if places.law:
+            raise ExpressionError(f"'{written}' is a second law of links", "write one law")
         places.law = law
     else:
         kinds = [kind for kind in _KINDS if kind != _LAW and written in scope.names[kind]]
@@ -423,7 +477,7 @@ def _take_place(places: _Places, written: str, scope: Scope) -> None:
         kind = kinds[0]
         if written not in scope.names[kind]:
             raise ExpressionError(f"no {kind} '{written}' in the study", nearest(written, scope.names[kind]))
-        if getattr(places, kind) not in (None, ""):
+        if getattr(places, kind) not in (None, "") or (kind == _KINDS[0] and places.role):
             raise ExpressionError(f"'{written}' is a second {kind}", f"write one {kind}")
         setattr(places, kind, scope.names[kind].index(written))
 
@@ -438,6 +492,9 @@ _INSTANT_HINT = (
     "`[largest closing after contact 2]`"
 )
 _OF_FLOORS = ("displacement", "velocity", "total_acceleration", "twist")
+_HISTORY_OF_LEVELS = (*_OF_FLOORS, "drift", "shear")
+_HISTORY_OF_BUILDINGS = (*_HISTORY_OF_LEVELS, "sway")
+_HISTORY_OF_LINKS = ("closing", "link_force")
 
 
 def _parse_where(text: str | None, scope: Scope) -> tuple[tuple[tuple[int, int], ...], Instant | None]:
@@ -613,6 +670,9 @@ def statement_hint(buildings: Sequence[str]) -> str:
 
 
 _SIGN = re.compile(r"\s*(<=|>=|<|>)\s*")
+ROUNDING = 4 * float(np.finfo(float).eps)
+"""Numbers that differ by this share of the larger one are the same [-]."""
+
 _BEHIND = re.compile(r"(?P<value>.*\S)\s+in\s+(?P<place>\S.*)")
 """A value with a place behind it, as limits have it."""
 _NAMES = re.compile(r"[^\W\d]\w*")
@@ -661,15 +721,19 @@ class Statement:
         return (self.signs[place] if place < len(self.signs) else {"<": ">", ">": "<"}[self.signs[-1][0]])[0] == ">"
 
     def find_parts(self, value: Value) -> list[np.ndarray]:
-        """Return the values of its parts from those of its quantities [SI]."""
-        return [part(value) if isinstance(part, Expression) else np.asarray(part) for part in self.parts]
+        """Return the values of its parts from those of its quantities [SI]; NaN where an expression has none."""
+        parts = [part(value) if isinstance(part, Expression) else np.asarray(part) for part in self.parts]
+        return [np.where(np.isfinite(part), part, np.nan) for part in parts]
 
     def find_steps(self, parts: Sequence[np.ndarray]) -> list[np.ndarray]:
-        """Return by how much every comparison of two neighbouring parts is met, below 0 where it is missed [SI]."""
-        return [
-            right - left if sign.startswith("<") else left - right
-            for left, sign, right in zip(parts[:-1], self.signs, parts[1:], strict=True)
-        ]
+        """Return by how much every comparison of two neighbouring parts is met, below 0 where it is missed; 0 where
+        they differ by no more than rounding [SI]."""
+        steps = []
+        for left, sign, right in zip(parts[:-1], self.signs, parts[1:], strict=True):
+            step = right - left if sign.startswith("<") else left - right
+            is_rounding = np.abs(step) <= ROUNDING * np.maximum(np.abs(left), np.abs(right))
+            steps.append(np.where(is_rounding, 0.0, step))
+        return steps
 
     def margin(self, value: Value) -> np.ndarray:
         """Return by how much the statement is met, below 0 where it is missed; NaN where there is no value [SI]."""
@@ -678,10 +742,12 @@ class Statement:
             first = np.minimum(first, step)  # NaN stays NaN
         return np.asarray(first)
 
-    def holds(self, margin: np.ndarray) -> np.ndarray:
-        """Return 1 where a margin is that of a statement that holds, 0 where it does not, NaN where it is not known."""
-        includes_end = all(sign.endswith("=") for sign in self.signs)
-        return np.where(np.isnan(margin), np.nan, margin >= 0 if includes_end else margin > 0)
+    def find_held(self, value: Value) -> np.ndarray:
+        """Return 1 where the statement holds, 0 where it does not, NaN where there is no value."""
+        is_met: np.ndarray | bool = True
+        for sign, step in zip(self.signs, self.find_steps(self.find_parts(value)), strict=True):
+            is_met = is_met & (step >= 0 if sign.endswith("=") else step > 0)
+        return np.where(np.isnan(self.margin(value)), np.nan, is_met)
 
     def __str__(self) -> str:
         return self.text
@@ -689,7 +755,9 @@ class Statement:
 
 def parse_statement(text: str, scope: Scope) -> Statement:
     """Return a statement over the tables of a study; arguments and errors as those of `parse_expression`."""
-    text = " ".join(text[: MAX_LENGTH + 1].split())
+    if len(text) > MAX_LENGTH:
+        raise ExpressionError(f"{len(text)} characters are not a comparison", statement_hint(scope.buildings))
+    text = " ".join(text.split())
     outside = re.sub(r"\[[^\[\]]*\]", lambda match: "_" * len(match[0]), text)  # a point of the sweep has signs too
     marks = list(_SIGN.finditer(outside))
     ends = [0, *(end for mark in marks for end in mark.span()), len(text)]

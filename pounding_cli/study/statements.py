@@ -100,6 +100,8 @@ def parse_number(spec: StatementSpec, scope: Scope) -> tuple[Statement, float]:
         within = abs(printed) * _read_value("within", spec.within, "")
     else:
         within = _read_value("within", spec.within, expression.unit)
+    if within < 0:
+        raise ExpressionError(f"'{spec.within}' lies below 0", "write by how much the number may differ", "within")
     text = f"{expression} = {spec.is_}"
     return Statement(
         text, (printed - within, expression, printed + within), ("<=", "<="), written_unit(spec.is_)

@@ -24,7 +24,8 @@ from pounding_cli.questions.run.statements import (
     list_verdicts,
     view_verdicts,
 )
-from pounding_cli.study.expression import ExpressionError, Scope, parse_statement
+from pounding_cli.questions.sensitivity.question import Sensitivity
+from pounding_cli.study.expression import QUANTITIES, ExpressionError, Scope, parse_statement
 
 STUDY: dict[str, Any] = {
     "title": "Statements",
@@ -176,6 +177,14 @@ def test_each_motion_is_counted(folder, results):
         (["1.5 < mu / mu < 2"], {FAILS}, FAILS),
         (["mu / mu <= 1"], {HOLDS}, HOLDS),
         (["sqrt(0 - mu) > 1"], {UNKNOWN}, UNKNOWN),
+        (["mu / (mu - mu) > 1"], {UNKNOWN}, UNKNOWN),
+        (["0 < mu / mu <= 1"], {HOLDS}, HOLDS),
+        (["1 < mu / mu <= 1"], {FAILS}, FAILS),
+        (["gap in near <= 5 mm", "gap in near >= 5 mm"], {HOLDS}, HOLDS),
+        (["gap in near < 5 mm"], {FAILS}, FAILS),
+        (["gap in near + 0.1 + 0.2 <= 0.305 m"], {HOLDS}, HOLDS),  # but for the rounding of the sum
+        (["drift > 0 cm", "sqrt(0 - mu) > 1"], {HOLDS, UNKNOWN}, PARTLY),
+        (["drift < 0 cm", "sqrt(0 - mu) > 1"], {FAILS, UNKNOWN}, FAILS),
     ],
 )
 def test_the_verdict_follows_from_the_outcomes(folder, holds, outcomes, verdict):
@@ -183,6 +192,20 @@ def test_the_verdict_follows_from_the_outcomes(folder, holds, outcomes, verdict)
     assert set(frame["outcome"]) == outcomes
     (found,) = list_verdicts(frame)
     assert found.word == verdict
+
+
+def test_floors_that_never_strike_do_not_strike(folder):
+    """Fails if a number without an error lies within its error; nothing turns it."""
+    cases = {"far": {"link": "pounding", "gap": "3 m"}}
+    frame = solve(folder, {"holds": "impacts > 0"}, cases=cases).table("statements")
+    assert set(zip(frame["outcome"], frame["turns"], strict=True)) == {(FAILS, "")}
+
+
+def test_a_case_without_links_is_counted_as_not_tested(folder):
+    cases = {"touching": STUDY["cases"]["touching"], "alone": {"link": "none", "gap": "1 m"}}
+    statement = {"holds": "impacts in elastic [impact.restitution = 0.6] > 0"}
+    frame = solve(folder, statement, cases=cases, estimate="none").table("statements")
+    assert [str(verdict) for verdict in list_verdicts(frame)] == [f"{PARTLY} (1 of 2)"]
 
 
 def test_a_bound_within_the_numerical_error_decides_nothing(folder, results):
@@ -309,6 +332,29 @@ def test_an_instant_that_does_not_come_is_not_tested(folder):
     assert frame["outcome"].tolist() == [UNKNOWN]
 
 
+def test_the_error_of_a_number_at_an_instant_is_not_known(folder):
+    """It is no 0, which would be that of a number without an error."""
+    (row,) = solve(folder, {"holds": "time [contact 1] > 1 ms"}, **KEPT).table("statements").to_dict("records")
+    assert row["outcome"] == HOLDS
+    assert math.isnan(row["error"])
+    assert math.isnan(row["sensitivity"])
+
+
+@pytest.mark.filterwarnings("error")
+def test_floors_that_nothing_links_never_meet(folder):
+    cases = {**KEPT["cases"], "alone": {"link": "none", "gap": "1 m"}}
+    changes = {**KEPT, "cases": cases}
+    frame = solve(folder, {"holds": "time in alone [contact 1] > 1 ms"}, **changes).table("statements")
+    assert frame["outcome"].tolist() == [UNKNOWN]
+
+
+def test_a_time_may_be_that_of_a_floor(folder):
+    results = solve(folder, {"holds": "time in soft floor 1 [largest displacement] > 0 s"}, **KEPT)
+    history = results.history()
+    expected = history.time[history.displacement[:, 1, 0].argmax()]
+    assert results.table("statements")["number"].tolist() == pytest.approx([expected])
+
+
 # What is refused
 
 
@@ -332,6 +378,23 @@ def test_an_instant_that_does_not_come_is_not_tested(folder):
         ("mu [impact.stiffness = 3] > 1", "'impact.stiffness' is not swept", "none is defined"),
         ("largest mean mu in stiff > 1", "of the buildings, then of their storeys", "one of the two"),
         ("mu = 3", "is not compared", "`mu > 4`"),
+        ("time [contact 1] in near > 1 s", "places stand behind one `in`, before brackets", "[1.1 s]"),
+        ("mu in stiff in near > 1", "places stand behind one `in`", "[1.1 s]"),
+        ("period in storey 2 > 1 s", "period belongs to a building, not to a storey", "leave 'storey 2' out"),
+        ("pga in storey 2 > 1 g", "pga belongs to a motion", "leave the storey out"),
+        ("events in stiff > 1", "events belongs to a time history", "leave the building out"),
+        ("mean pga > 1 g", "pga is one number of a motion", "over_motions"),
+        ("mu in stiff softer buildings > 1", "'softer buildings' is a second building", "one building"),
+        ("mu in softer buildings stiff > 1", "'stiff' is a second building", "one building"),
+        ("mu in softer buildings stiffest building > 1", "is a second building", "one building"),
+        ("impacts in pounding links pounding links > 1", "is a second law of links", "one law"),
+        ("mean drift in stiff [1 s] > 1 cm", "'mean' is not of a number at an instant", "leave 'mean' out"),
+        ("drift in stiffest building [1 s] > 1 cm", "has no numbers of an instant", "name of the building"),
+        ("drift in line 1 of stiff [1 s] > 1 cm", "histories of frame lines", "leave the line out"),
+        ("sway in stiff storey 2 [1 s] > 1 cm", "sway belongs to a building", "leave 'storey 2' out"),
+        ("closing in stiff [1 s] > 1 cm", "closing belongs to links", "leave the building out"),
+        ("closing in pounding links [1 s] > 1 cm", "closing is of all links of a case", "leave the links out"),
+        ("mu > 4" + " " * 500, "506 characters are not a comparison", "`mu > 4`"),
     ],
 )
 def test_a_comparison_that_is_refused(text, message, hint):
@@ -339,6 +402,14 @@ def test_a_comparison_that_is_refused(text, message, hint):
         parse_statement(text, SCOPE)
     assert message in refused.value.args[0]
     assert hint in refused.value.args[1]
+
+
+@pytest.mark.parametrize("name", QUANTITIES)
+def test_what_a_refusal_says_to_write_is_understood(name):
+    """Fails if a unit of a table is none that people may write."""
+    with pytest.raises(ExpressionError) as refused:
+        parse_statement(f"{name} > 1 Pa", SCOPE)
+    parse_statement(refused.value.args[1].split("`")[1], SCOPE)
 
 
 @pytest.mark.parametrize(
@@ -351,6 +422,8 @@ def test_a_comparison_that_is_refused(text, message, hint):
         ({"number": "mu", "is": "4", "within": "1 cm"}, "expected a plain number"),
         ({"holds": "mu [impact.restitution = 0.5] > 4"}, "the sweep has no point with impact.restitution = 0.5"),
         ({"holds": "mu in stiff storey 4 > 4"}, "the highest is 3"),
+        ({"holds": ["mu > 4", "mu in stiff storey 4 > 4"]}, "statements.0.holds.1: "),
+        ({"number": "mu", "is": "4", "within": "-1 %"}, "'-1 %' lies below 0"),
         ({"holds": "time [contact 1] > 1 s"}, "the study keeps no histories"),
     ],
 )
@@ -358,6 +431,24 @@ def test_a_statement_that_is_refused(folder, statement, message):
     with pytest.raises(InputError) as refused:
         solve(folder, statement)
     assert message in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("kept", "named"),
+    [
+        ({"cases": ["touching"]}, "near"),
+        ({"analyses": ["elastic"]}, "inelastic"),
+        ({"records": ["elcentro"]}, "taft"),
+    ],
+)
+def test_an_instant_of_a_history_that_is_not_kept_is_refused(folder, kept, named):
+    """Those that a comparison leaves open are not tested; another one is."""
+    keep = {"histories": {**kept, "every": "10 ms"}}
+    (other,) = next(iter(kept.values()))
+    with pytest.raises(InputError, match=f"rests on a history of {named}, which is not kept"):
+        solve(folder, {"holds": f"drift in stiff {named} [1 s] < 1 m"}, keep=keep, estimate="none")
+    frame = solve(folder, {"holds": f"drift in stiff {other} [1 s] < 1 m"}, keep=keep, estimate="none")
+    assert HOLDS in set(frame.table("statements")["outcome"])
 
 
 def test_two_statements_of_one_name_are_refused(folder):
@@ -399,3 +490,13 @@ def test_the_comparison_has_a_column_a_place_and_missed_numbers_bold(folder):
     cells = " | ".join(f"**{format_value(number, 'm', 'mm')}**" for number in numbers)
     assert f"| slow: drift in touching elastic stiff < 1 mm | {cells} |" in lines
     assert not math.isnan(numbers[0])
+
+
+def test_a_sensitivity_refuses_instants():
+    """It keeps no histories; fails if the refusal asks to keep them, which it refuses too."""
+    study = {**STUDY, "sweep": None, "sensitivity": {"statements": "all", "samples": 8}}
+    study["uncertain"] = {"impact.restitution": {"uniform": {"from": 0.4, "to": 0.65}}, "motion": "any"}
+    study["statements"] = [{"says": "a", "holds": "time [contact 1] > 1 s"}]
+    study = {key: value for key, value in study.items() if value is not None}
+    with pytest.raises(InputError, match=r"`pound sensitivity` keeps no histories"):
+        Sensitivity(pound.load_study(study))

@@ -19,6 +19,7 @@ from pounding_cli.questions.expressions import (
     collect_values,
     evaluate_error,
     evaluate_expression,
+    find_held,
     find_margin,
     find_scope,
     parse_all,
@@ -279,8 +280,10 @@ def _find_excess(required: Sequence[Statement], values: Values) -> np.ndarray:
     """
     total = np.zeros(values["status"].shape[1])
     for statement in required:
-        margin = find_margin(statement, values, "smallest" if statement.bounds_below else "largest")
-        missed = np.where(statement.holds(margin) == 1, 0.0, np.maximum(-margin / statement.scale, np.finfo(float).eps))
+        over_motions = "smallest" if statement.bounds_below else "largest"
+        margin = find_margin(statement, values, over_motions)
+        held = find_held(statement, values, over_motions)
+        missed = np.where(held == 1, 0.0, np.maximum(-margin / statement.scale, np.finfo(float).eps))
         total = total + np.where(np.isnan(margin), np.nan, missed).max(axis=0)
     return total
 

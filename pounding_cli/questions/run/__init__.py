@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -58,9 +59,16 @@ def read_statements(question: StudyQuestion) -> list[StudyStatement]:
     statements, faults = parse_statements(specs, find_scope(study, whole=True))
     places = [(("statements", *path), message, hint) for path, message, hint in faults]
     for number, statement in enumerate(statements):
+        written = [" ".join(text.split()) for text in specs[number].holds]
         for comparison in statement.comparisons:
-            places += [(("statements", number), *each) for each in find_missing_places(comparison, question)]
-        if statement.needs_histories and study.spec.keep is None:
+            text = comparison.text
+            key = ("holds", written.index(text)) if text in written else ("number",)
+            places += [(("statements", number, *key), *each) for each in find_missing_places(comparison, question)]
+        places += [(("statements", number), *each) for each in _find_lost_histories(statement, study)]
+        if statement.needs_histories and question.name != Run.name:
+            message = f"statement {statement.name} rests on an instant, and `pound {question.name}` keeps no histories"
+            places.append((("statements", number), message, "move it to another study, for `pound run`"))
+        elif statement.needs_histories and study.spec.keep is None:
             message = f"statement {statement.name} rests on an instant, and the study keeps no histories"
             places.append((("statements", number), message, "write e.g. `keep: {histories: {every: 1 ms}}`"))
     for path, message, hint in places:
@@ -68,6 +76,27 @@ def read_statements(question: StudyQuestion) -> list[StudyStatement]:
             message = f"{study.spec.statements}, statement {statements[int(path[1])].name}: {message}"
         question.problems.add_at(study.tree, path[:1] if is_file else path, message, hint)
     return statements
+
+
+def _find_lost_histories(statement: StudyStatement, study: Study) -> Iterator[tuple[str, str]]:
+    """Yield the cases, analyses and motions whose histories a statement names and the study does not keep, and what to
+    write."""
+    keep = study.spec.keep
+    if keep is None or isinstance(keep, str) or isinstance(keep.histories, str):
+        return
+    scope = find_scope(study, whole=True)
+    chosen = (
+        ("cases", keep.histories.cases, scope.cases, "case"),
+        ("analyses", keep.histories.analyses, scope.analyses, "analysis"),
+        ("records", keep.histories.records, scope.motions, "motion"),
+    )
+    for comparison in statement.comparisons:
+        for part in comparison.quantities:
+            for key, kept, names, kind in chosen:
+                place = getattr(part, kind)
+                if part.instant is not None and kept is not None and place is not None and names[place] not in kept:
+                    message = f"'{comparison}' rests on a history of {names[place]}, which is not kept"
+                    yield message, f"write {names[place]} in `{key}` of `keep: histories`"
 
 
 def _read_statements_of(question: StudyQuestion, file: str) -> tuple[Any, ...]:

@@ -16,6 +16,7 @@ from pounding_cli.questions.expressions import (
     Values,
     collect_values,
     evaluate_parts,
+    find_held,
     find_margin,
     find_spread,
     name_variables,
@@ -84,12 +85,14 @@ class Tested(NamedTuple):
     """A comparison, tested; arrays over sweep, cases, analyses and motions, of length 1 where these do not matter.
 
     parts : values of the parts of the comparison, one by one
+    held : 1 where it holds, 0 where it does not, NaN where it is not known
     margin, error, sensitivity : by how much it is met, and what moves that [SI]
     """
 
     statement: StudyStatement
     comparison: Statement
     parts: tuple[np.ndarray, ...]
+    held: np.ndarray
     margin: np.ndarray
     error: np.ndarray
     sensitivity: np.ndarray
@@ -102,6 +105,7 @@ def iter_tested(
     for statement, comparison in iter_comparisons(statements):
         over = statement.over_motions
         arrays = [
+            find_held(comparison, values, over, instants),
             find_margin(comparison, values, over, instants),
             find_spread(comparison.quantities, comparison.margin, values, over, "error", instants),
             SMALL_CHANGE * find_spread(comparison.quantities, comparison.margin, values, over, "sensitivity", instants),
@@ -109,8 +113,8 @@ def iter_tested(
         ]
         if over != EVERY:
             arrays = [each[..., None] if each.ndim else each for each in arrays]
-        margin, error, sensitivity, *parts = np.broadcast_arrays(*arrays)
-        yield Tested(statement, comparison, tuple(parts), margin, error, sensitivity)
+        held, margin, error, sensitivity, *parts = np.broadcast_arrays(*arrays)
+        yield Tested(statement, comparison, tuple(parts), held, margin, error, sensitivity)
 
 
 def find_values(plan: Plan, arrays: ResultArrays, statements: list[StudyStatement]) -> Values:
@@ -158,15 +162,15 @@ def build_statement_table(
 def judge(tested: Tested, at: tuple[int, ...]) -> dict[str, Any]:
     """Return the row of a comparison at one place: number, margin and outcome, of several motions of the worst."""
     margins = tested.margin[at]
-    held = tested.comparison.holds(margins)
+    held = tested.held[at]
     is_known = ~np.isnan(margins)
     worst = int(np.nanargmin(margins)) if is_known.any() else 0
     place = (*at, worst)
     margin, error, sensitivity = (float(each[place]) for each in (tested.margin, tested.error, tested.sensitivity))
     number, bound = _tell_step(tested.comparison, [float(each[place]) for each in tested.parts])
     outcome = UNKNOWN if not is_known.all() else HOLDS if held[worst] == 1 else FAILS
-    turns = SENSITIVITY if abs(margin) <= sensitivity else ""
-    if abs(margin) <= error:
+    turns = SENSITIVITY if sensitivity > 0 and abs(margin) <= sensitivity else ""
+    if error > 0 and abs(margin) <= error:
         outcome, turns = (UNDECIDED if outcome != UNKNOWN else UNKNOWN), ERROR
     statement = tested.statement
     return {
@@ -231,8 +235,8 @@ class Verdict:
     @property
     def word(self) -> str:
         """The verdict: holds where all tests do."""
-        outcomes = {row["outcome"] for row in self.rows} - {UNKNOWN}
-        if not outcomes:
+        outcomes = {row["outcome"] for row in self.rows}
+        if outcomes == {UNKNOWN}:
             return UNKNOWN
         if outcomes == {HOLDS}:
             return HOLDS
@@ -243,13 +247,14 @@ class Verdict:
     @property
     def count(self) -> str:
         """How many of several tests are met, and under how many motions where each is looked at; "" where all are."""
-        tested = [row for row in self.rows if row["outcome"] != UNKNOWN]
-        motions = sum(int(row["motions"]) for row in tested)
-        met = sum(int(row["met"]) for row in tested)
-        if any(row["motions"] > 1 for row in tested):
+        if self.word == UNKNOWN:
+            return ""
+        motions = sum(int(row["motions"]) for row in self.rows)
+        met = sum(int(row["met"]) for row in self.rows)
+        if any(row["motions"] > 1 for row in self.rows):
             return f"{met} of {motions} motions" if met < motions else ""
-        held = sum(row["outcome"] == HOLDS for row in tested)
-        return f"{held} of {len(tested)}" if 0 < held < len(tested) else ""
+        held = sum(row["outcome"] == HOLDS for row in self.rows)
+        return f"{held} of {len(self.rows)}" if 0 < held < len(self.rows) else ""
 
     @property
     def turns(self) -> str:

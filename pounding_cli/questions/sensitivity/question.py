@@ -16,7 +16,7 @@ from pounding_cli.questions.expressions import (
     Values,
     collect_values,
     evaluate_expression,
-    find_margin,
+    find_held,
     name_variables,
     parse_all,
 )
@@ -271,7 +271,7 @@ def _iter_series(
     for one in asked:
         over_motions = question.spec.over_motions
         if isinstance(one, Statement):
-            of_samples, unit = one.holds(find_margin(one, values, over_motions)), ""
+            of_samples, unit = find_held(one, values, over_motions), ""
         else:
             of_samples, unit = evaluate_expression(one, values, over_motions), one.unit
         series.append((one, np.moveaxis(np.broadcast_to(of_samples, shape), samples_axis, -1), unit))
@@ -304,7 +304,7 @@ def _iter_statements(plan: Plan, arrays: ResultArrays, question: Sensitivity) ->
     shape = values["status"].shape[: samples_axis + 1]
     is_held: dict[str, list[np.ndarray]] = {}
     for tested in iter_tested(question.statements, values):
-        held = tested.comparison.holds(tested.margin)
+        held = tested.held
         of_points = held.reshape(*held.shape[: samples_axis + 1], -1).min(axis=-1)  # NaN stays NaN
         is_held.setdefault(tested.statement.name, []).append(np.broadcast_to(of_points, shape))
     for name, held_by_comparison in is_held.items():
