@@ -328,14 +328,8 @@ def _parse_quantity(match: re.Match[str], scope: Scope) -> TableQuantity:
         _check_owner(name, instant, place, reduction)
     level = 0
     if place.level:
-<<<<<<< HEAD
-        owners = FLOOR if instant is None else _OF_FLOORS
-        of_place = instant.quantity or name if instant is not None and name == "time" else name
-        level = _check_level(place.level, of_place in owners, of_place)
-=======
         owner = name if instant is None or name in _HISTORY_OF_LEVELS else instant.quantity
         level = _check_level(place.level, owner in (FLOOR if instant is None else _OF_FLOORS), owner)
->>>>>>> stranger
     quantity = TableQuantity(
         of_line, reduction or REDUCTIONS[0], place.building, level, line, match["over"] or "", place.role,
         place.case, place.analysis, place.motion, place.law, point, instant,
