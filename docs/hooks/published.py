@@ -26,7 +26,7 @@ import yaml
 
 import pounding_cli as pound
 from pounding_cli.numbers import NOTHING
-from pounding_cli.questions.run.statements import HOLDS, UNKNOWN, Verdict, format_value, list_verdicts
+from pounding_cli.questions.statements import HOLDS, UNKNOWN, Verdict, format_value, list_verdicts
 from pounding_cli.units import find_unit_factor
 
 DOCS = Path(__file__).parents[1]

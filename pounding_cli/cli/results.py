@@ -250,7 +250,7 @@ def report(
       pound report results/sweep.h5 --quantity mu_ratio --case touching --building soft --where storey=3
     """
     from pounding_cli.questions.reports import build_report, find_no_sweep
-    from pounding_cli.questions.run.statements import STATEMENTS, list_verdicts
+    from pounding_cli.questions.statements import STATEMENTS, list_verdicts
     from pounding_cli.report.style import OF_PAPERS, PAPER, drawing_for
 
     choices = _list_choices(quantities, rows)

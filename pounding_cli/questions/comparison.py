@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from pounding_cli.numbers import NOTHING
-from pounding_cli.questions.run.statements import FAILS, STATEMENTS, format_value, list_verdicts
+from pounding_cli.questions.statements import FAILS, STATEMENTS, format_value, list_verdicts
 from pounding_cli.report.document import Report
 from pounding_cli.report.evidence import format_point
 from pounding_cli.tables import Row, Table

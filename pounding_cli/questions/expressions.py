@@ -8,8 +8,11 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from pounding_cli.questions.question import StudyQuestion
+from pounding_cli.records import load_catalogue
 from pounding_cli.solver.response import DONE
+from pounding_cli.study.comparison import TWIST, Comparison
 from pounding_cli.study.expression import (
+    ABSENT,
     FACTS,
     FLOOR,
     LINE,
@@ -20,12 +23,10 @@ from pounding_cli.study.expression import (
     SHEAR_DEMAND,
     SOFTER,
     STOREY,
-    TWIST,
     TWISTING,
     Expression,
     ExpressionError,
     Scope,
-    Statement,
     TableQuantity,
     Value,
 )
@@ -104,27 +105,27 @@ def evaluate_expression(
 
 
 def find_margin(
-    statement: Statement, values: Values, over_motions: str, instants: FindAtInstant | None = None
+    comparison: Comparison, values: Values, over_motions: str, instants: FindAtInstant | None = None
 ) -> np.ndarray:  # fmt: skip
-    """Return by how much a statement is met, below 0 where it is missed; NaN where it is not known.
+    """Return by how much a comparison is met, below 0 where it is missed; NaN where it is not known.
 
     Arguments and shape as those of `evaluate_expression`.
     """
-    return statement.margin(lambda quantity: _evaluate_quantity(quantity, values, over_motions, instants))
+    return comparison.margin(lambda quantity: _evaluate_quantity(quantity, values, over_motions, instants))
 
 
 def find_held(
-    statement: Statement, values: Values, over_motions: str, instants: FindAtInstant | None = None
+    comparison: Comparison, values: Values, over_motions: str, instants: FindAtInstant | None = None
 ) -> np.ndarray:  # fmt: skip
     """Return 1 where a statement holds, 0 where it does not, NaN where it is not known; as `find_margin`."""
-    return statement.find_held(lambda quantity: _evaluate_quantity(quantity, values, over_motions, instants))
+    return comparison.find_held(lambda quantity: _evaluate_quantity(quantity, values, over_motions, instants))
 
 
 def evaluate_parts(
-    statement: Statement, values: Values, over_motions: str, instants: FindAtInstant | None = None
+    comparison: Comparison, values: Values, over_motions: str, instants: FindAtInstant | None = None
 ) -> list[np.ndarray]:  # fmt: skip
-    """Return the values of the parts of a statement; arguments and shapes as those of `evaluate_expression`."""
-    return statement.find_parts(lambda quantity: _evaluate_quantity(quantity, values, over_motions, instants))
+    """Return the values of the parts of a comparison; arguments and shapes as those of `evaluate_expression`."""
+    return comparison.find_parts(lambda quantity: _evaluate_quantity(quantity, values, over_motions, instants))
 
 
 def evaluate_error(expression: Expression, values: Values, over_motions: str) -> np.ndarray:
@@ -218,6 +219,8 @@ def _evaluate_quantity(
     missing makes the result NaN: what failed must not drop out of a mean.
     """
     name = quantity.name
+    if quantity.motion == ABSENT:
+        return np.full((1,) * (values["status"].ndim - (over_motions != EVERY)), np.nan)
     if quantity.instant is not None:
         if instants is None:
             return np.full((1,) * values["status"].ndim, np.nan)[..., 0]
@@ -328,7 +331,7 @@ def _reduce(reduction: str, numbers: np.ndarray, exists: np.ndarray, axes: tuple
     return np.where(exists, numbers, np.inf).min(axis=axes, initial=np.inf)
 
 
-Parsed = TypeVar("Parsed", Expression, Statement)
+Parsed = TypeVar("Parsed", Expression, Comparison)
 
 
 def find_scope(study: Study, whole: bool = False) -> Scope:
@@ -339,14 +342,16 @@ def find_scope(study: Study, whole: bool = False) -> Scope:
     buildings = unique_names(study.spec.group)
     if not whole:
         return Scope(buildings)
+    motions = tuple(study.motion_uses(study.first_point))
     laws = {place.law.name for case in study.spec.cases for place in study.links(study.first_point, case)}
     return Scope(
         buildings,
         tuple(study.spec.cases),
         tuple(study.spec.analyses),
-        tuple(study.motion_uses(study.first_point)),
+        motions,
         tuple(sorted(laws)),
         study.axes,
+        absent=tuple(name for name in load_catalogue() if name not in motions),
     )
 
 
@@ -355,7 +360,7 @@ def parse_all(
 ) -> tuple[Parsed, ...]:
     """Return the expressions or statements under a key of a question.  Note what is wrong with them.
 
-    parse : `parse_expression` or `parse_statement`
+    parse : `parse_expression` or `parse_comparison`
     """
     parsed: dict[str, Parsed] = {}
     scope = find_scope(question.study)
@@ -373,7 +378,7 @@ def parse_all(
     return tuple(parsed.values())
 
 
-def find_missing_places(one: Expression | Statement, question: StudyQuestion) -> Iterator[tuple[str, str]]:
+def find_missing_places(one: Expression | Comparison, question: StudyQuestion) -> Iterator[tuple[str, str]]:
     """Yield what an expression names that its buildings do not have, and what to write."""
     study = question.study
     names = unique_names(study.spec.group)

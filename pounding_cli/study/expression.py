@@ -1,5 +1,4 @@
-"""Expressions over the tables, `largest mu in soft` or `mean V_ratio in infill stiff storey 2`; statements, which
-compare them, `drift > 2 %`; limits of fragility: statements, `mu in soft storey 1 > 4`, or events, `contact`.
+"""Expressions over the tables: `largest mu in soft`, `mean V_ratio in infill stiff storey 2`, `time [contact 2]`.
 
 Quantities are read first, each with its place; what is left is arithmetic, which Python parses and nothing runs."""
 
@@ -15,10 +14,9 @@ import numpy as np
 from pydantic_core import PydanticCustomError
 
 from pounding_cli import variables
-from pounding_cli.model.archetypes import DAMAGE_STATES
 from pounding_cli.study.axes import Axis
 from pounding_cli.study.file import nearest
-from pounding_cli.study.quantity import ACCELERATION, LENGTH, TIME, Quantity, written_unit
+from pounding_cli.study.quantity import TIME
 
 SHEAR_DEMAND = "shear_demand"
 INSTANT_TIME = TIME.replace(name="time", example="1.1 s", low=0.0, open_low=False)
@@ -105,13 +103,16 @@ _SIGNS: Mapping[type[ast.operator], Callable[..., np.ndarray]] = {
 }  # fmt: skip
 _KEEP_UNIT = (ast.Add, ast.Sub, "max", "min", "abs")
 _PLACE_WORDS = r"line\s+[0-9]{{1,3}}\s+of\b|storey\s+[0-9]{{1,3}}\b|floor\s+[0-9]{{1,3}}\b|{roles}"
-_PHRASE = (
+PHRASE = (
     r"(?<![\w.])(?:(?P<over>largest|smallest|mean)\s+(?=(?:largest|smallest|mean)\b))?"
     r"(?:(?P<how>largest|smallest|mean)\s+)?(?P<name>[^\W\d]\w*)"
     r"(?P<in>\s+in\b(?P<places>(?:\s+(?:{places}))*))?(?:\s*\[(?P<where>[^\[\]]*)\])?"
 )
 STIFFEST, SOFTER = "stiffest building", "softer buildings"
 """The building of the group with the shortest period on a fixed base, of several the first; all with a longer one."""
+
+ABSENT = -1
+"""Place of a motion that the study does not use."""
 
 SAME_PERIOD = 1.0 + 1e-9
 """A period within this factor of the shortest is as short [-]."""
@@ -128,6 +129,7 @@ class Scope:
     cases, analyses, motions, laws : names, laws as `NAME links`; none where an expression is about each of them
     axes : of the sweep, at whose points a quantity may be asked for
     point : numbers of axes with the place on each that every quantity has which does not name another one
+    absent : names of motions of the catalogue that the study does not use; what is asked under one has no value
     of_limits : whether `shear_demand` may name the building and storey whose columns are loaded, as limits do
     """
 
@@ -138,12 +140,13 @@ class Scope:
     laws: tuple[str, ...] = ()
     axes: tuple[Axis, ...] = ()
     point: tuple[tuple[int, int], ...] = ()
+    absent: tuple[str, ...] = ()
     of_limits: bool = False
 
     @property
     def names(self) -> dict[str, tuple[str, ...]]:
         """The names of every kind, in the order of _KINDS."""
-        kinds = (self.buildings, self.cases, self.analyses, self.motions, self.laws)
+        kinds = (self.buildings, self.cases, self.analyses, (*self.motions, *self.absent), self.laws)
         return dict(zip(_KINDS, kinds, strict=True))
 
 
@@ -178,7 +181,7 @@ class TableQuantity:
     line : frame line of the building, from 1, of a quantity of LINE; 0 of others
     over_buildings : reduction over buildings where it is another one than that over their storeys; "" of others
     role : STIFFEST or SOFTER in place of a building; "" of others
-    case, analysis, motion : its place from 0; None for each
+    case, analysis, motion : its place from 0; None for each; ABSENT of a motion that is not used
     law : of the links; "" for all
     point : numbers of axes of the sweep with its place on each
     instant : None of a peak
@@ -262,11 +265,11 @@ def parse_expression(text: str, scope: Scope, over_height: bool = False) -> Expr
             raise ExpressionError(f"'{text}': {error.args[0]}", error.args[1]) from None
         return f"_{len(quantities) - 1}"
 
-    arithmetic = re.sub(_PHRASE.format(places=_place_pattern(scope)), replace_phrase, text)
+    arithmetic = re.sub(PHRASE.format(places=place_pattern(scope)), replace_phrase, text)
     try:
         node = ast.parse(arithmetic.strip(), mode="eval").body
         unit, work = _compile_node(node, quantities)
-        if over_height and unit == "m" and all(map(_has_ratio, quantities)):
+        if over_height and unit == "m" and all(map(has_ratio, quantities)):
             quantities = [replace(each, name=OVER_HEIGHT[each.name]) for each in quantities]
             unit, work = _compile_node(node, quantities)
     except ExpressionError as error:
@@ -282,12 +285,12 @@ def parse_expression(text: str, scope: Scope, over_height: bool = False) -> Expr
     return Expression(text, "" if unit in (None, _MIXED) else unit, tuple(quantities), work, is_plain)
 
 
-def _has_ratio(quantity: TableQuantity) -> bool:
+def has_ratio(quantity: TableQuantity) -> bool:
     """Return whether the tables have a quantity over the height of its storey, too."""
     return quantity.name in OVER_HEIGHT and quantity.instant is None
 
 
-def _place_pattern(scope: Scope) -> str:
+def place_pattern(scope: Scope) -> str:
     """Return the pattern of one place of a quantity."""
     named = {kind: sorted(names, key=len, reverse=True) for kind, names in scope.names.items()}
     laws = "|".join(map(re.escape, named.pop(_LAW)))
@@ -319,7 +322,7 @@ def _parse_quantity(match: re.Match[str], scope: Scope) -> TableQuantity:
             raise ExpressionError(f"{name} is a number of an instant", hint)
         kind = "quantity" if instant is None else "quantity over time"
         raise ExpressionError(f"no {kind} '{name}' is known", nearest(name, (*known, *_FUNCTIONS)))
-    place = _parse_places(match, name, scope)
+    place = parse_places(match, name, scope)
     names = [each.removeprefix("line_") for each in LINE]
     line = _check_line(place.line, name, names)
     of_line = f"line_{name}" if line else name
@@ -341,7 +344,7 @@ def _parse_quantity(match: re.Match[str], scope: Scope) -> TableQuantity:
     return quantity
 
 
-def _check_owner(name: str, instant: Instant | None, place: _Places, reduction: str) -> None:
+def _check_owner(name: str, instant: Instant | None, place: Places, reduction: str) -> None:
     """Raise ExpressionError where a phrase names a place that its quantity does not have, or reduces one number.
 
     reduction : as written; "" of none
@@ -372,13 +375,13 @@ def _check_owner(name: str, instant: Instant | None, place: _Places, reduction: 
         raise ExpressionError(f"{name} belongs to a building, not to a storey or floor", f"leave '{written}' out")
 
 
-def _say_place(place: _Places) -> str:
+def _say_place(place: Places) -> str:
     """Return the kind of the place of a building that a phrase names."""
     return "building" if place.building is not None or place.role else place.level.split()[0]
 
 
 @dataclass
-class _Places:
+class Places:
     """The places of a phrase, as it names them."""
 
     building: int | None = None
@@ -391,13 +394,13 @@ class _Places:
     line: str | None = None
 
 
-def _parse_places(match: re.Match[str], name: str, scope: Scope) -> _Places:
+def parse_places(match: re.Match[str], name: str, scope: Scope) -> Places:
     """Return the places behind `in` of a phrase.  Raises ExpressionError."""
-    places = _Places()
+    places = Places()
     if match["in"] is None:
         return places
     buildings = scope.buildings
-    written = [each[1] for each in re.finditer(rf"\s+({_place_pattern(scope)})", match["places"])]
+    written = [each[1] for each in re.finditer(rf"\s+({place_pattern(scope)})", match["places"])]
     unknown = re.split(r"[-+*/(),<>=\[]", match.string[match.end("places") :])[0].strip()[:40]
     is_link = name in (*LINK, *LINK_FACTS) and not (name == SHEAR_DEMAND and scope.of_limits)
     of_line = bool(written) and written[-1].startswith("line ")  # no building stands behind it
@@ -444,7 +447,7 @@ def _list_places_of_type(written: str, buildings: Sequence[str]) -> list[str]:
     return []
 
 
-def _take_place(places: _Places, written: str, scope: Scope) -> None:
+def _take_place(places: Places, written: str, scope: Scope) -> None:
     """Add one place of a phrase to those before it.  Raises ExpressionError."""
     first, _, rest = written.partition(" ")
     if first == "line" and rest:
@@ -473,7 +476,8 @@ def _take_place(places: _Places, written: str, scope: Scope) -> None:
             raise ExpressionError(f"no {kind} '{written}' in the study", nearest(written, scope.names[kind]))
         if getattr(places, kind) not in (None, "") or (kind == _KINDS[0] and places.role):
             raise ExpressionError(f"'{written}' is a second {kind}", f"write one {kind}")
-        setattr(places, kind, scope.names[kind].index(written))
+        place = scope.names[kind].index(written)
+        setattr(places, kind, ABSENT if kind == "motion" and place >= len(scope.motions) else place)
 
 
 _INSTANT = re.compile(
@@ -653,324 +657,3 @@ def _find_unit(units: Sequence[str | None], kind: Any) -> str | None:
             return above or ""
         return "" if above == below != _MIXED else _MIXED
     return "" if set(known) == {""} else _MIXED
-
-
-# Statements
-
-
-def statement_hint(buildings: Sequence[str]) -> str:
-    """Return how a statement is written, with the buildings of the study."""
-    return f"write e.g. `mu > 4`, `drift in {buildings[-1]} > 2 cm` or `mean V_ratio in {buildings[0]} < 1.1`"
-
-
-_SIGN = re.compile(r"\s*(<=|>=|<|>)\s*")
-ROUNDING = 4 * float(np.finfo(float).eps)
-"""Numbers that differ by this share of the larger one are the same [-]."""
-
-_BEHIND = re.compile(r"(?P<value>.*\S)\s+in\s+(?P<place>\S.*)")
-"""A value with a place behind it, as limits have it."""
-_NAMES = re.compile(r"[^\W\d]\w*")
-_VALUES = {"": "4", "m": "2 cm", "m/s2": "1 g", "N": "500 kN", "s": "0.1 s", "N s": "20 kN s", "rad": "0.01 rad"}
-
-
-@dataclass(frozen=True)
-class Statement:
-    """A statement that expressions and values lie above or below one another: `mu > 4`, `0 < a / b - 1 < 15 %`.
-
-    text : as people read it
-    parts : expressions and values [SI], left to right
-    signs : between them: <, >, <= or >=
-    written_unit : of its values; "" where they have none
-    """
-
-    text: str
-    parts: tuple[Expression | float, ...]
-    signs: tuple[str, ...]
-    written_unit: str = ""
-
-    @property
-    def expressions(self) -> tuple[Expression, ...]:
-        """The expressions among its parts."""
-        return tuple(part for part in self.parts if isinstance(part, Expression))
-
-    @property
-    def quantities(self) -> tuple[TableQuantity, ...]:
-        """The numbers of the tables that it rests on."""
-        return tuple(quantity for part in self.expressions for quantity in part.quantities)
-
-    @property
-    def first(self) -> Expression:
-        """The first expression."""
-        return self.expressions[0]
-
-    @property
-    def scale(self) -> float:
-        """The size of its values, by which it is missed or met [SI]; 1 where they are 0 or where there are none."""
-        return max((abs(part) for part in self.parts if isinstance(part, float)), default=0.0) or 1.0
-
-    @property
-    def bounds_below(self) -> bool:
-        """Whether it holds the better, the larger its first expression is."""
-        place = self.parts.index(self.first)
-        return (self.signs[place] if place < len(self.signs) else {"<": ">", ">": "<"}[self.signs[-1][0]])[0] == ">"
-
-    def find_parts(self, value: Value) -> list[np.ndarray]:
-        """Return the values of its parts from those of its quantities [SI]; NaN where an expression has none."""
-        parts = [part(value) if isinstance(part, Expression) else np.asarray(part) for part in self.parts]
-        return [np.where(np.isfinite(part), part, np.nan) for part in parts]
-
-    def find_steps(self, parts: Sequence[np.ndarray]) -> list[np.ndarray]:
-        """Return by how much every comparison of two neighbouring parts is met, below 0 where it is missed; 0 where
-        they differ by no more than rounding [SI]."""
-        steps = []
-        for left, sign, right in zip(parts[:-1], self.signs, parts[1:], strict=True):
-            step = right - left if sign.startswith("<") else left - right
-            is_rounding = np.abs(step) <= ROUNDING * np.maximum(np.abs(left), np.abs(right))
-            steps.append(np.where(is_rounding, 0.0, step))
-        return steps
-
-    def margin(self, value: Value) -> np.ndarray:
-        """Return by how much the statement is met, below 0 where it is missed; NaN where there is no value [SI]."""
-        first, *others = self.find_steps(self.find_parts(value))
-        for step in others:
-            first = np.minimum(first, step)  # NaN stays NaN
-        return np.asarray(first)
-
-    def find_held(self, value: Value) -> np.ndarray:
-        """Return 1 where the statement holds, 0 where it does not, NaN where there is no value."""
-        is_met: np.ndarray | bool = True
-        for sign, step in zip(self.signs, self.find_steps(self.find_parts(value)), strict=True):
-            is_met = is_met & (step >= 0 if sign.endswith("=") else step > 0)
-        return np.where(np.isnan(self.margin(value)), np.nan, is_met)
-
-    def __str__(self) -> str:
-        return self.text
-
-
-def parse_statement(text: str, scope: Scope) -> Statement:
-    """Return a statement over the tables of a study; arguments and errors as those of `parse_expression`."""
-    if len(text) > MAX_LENGTH:
-        raise ExpressionError(f"{len(text)} characters are not a comparison", statement_hint(scope.buildings))
-    text = " ".join(text.split())
-    outside = re.sub(r"\[[^\[\]]*\]", lambda match: "_" * len(match[0]), text)  # a point of the sweep has signs too
-    marks = list(_SIGN.finditer(outside))
-    ends = [0, *(end for mark in marks for end in mark.span()), len(text)]
-    sides = [text[begin:end].strip() for begin, end in zip(ends[::2], ends[1::2], strict=True)]
-    signs = tuple(mark[1] for mark in marks)
-    if not signs or "" in sides[:1] or "=" in _SIGN.sub(" ", outside):
-        raise ExpressionError(f"'{text}' is not compared with a value by < or >", statement_hint(scope.buildings))
-    if len(sides) > 3 or len({sign[0] for sign in signs}) > 1:
-        hint = statement_hint(scope.buildings)
-        raise ExpressionError(f"'{text}' compares more than one number with its lower and upper end", hint)
-    known = {*QUANTITIES, *HISTORY, *(name.removeprefix("line_") for name in LINE)}
-    names = [set(_NAMES.findall(side)) & known for side in sides]
-    if not any(names):
-        parse_expression(sides[0], scope)  # says what is wrong with it
-        raise ExpressionError(f"'{text}': it takes nothing from the tables", statement_hint(scope.buildings))
-    in_percent = any(written_unit(side) == "%" for side in sides)
-    parsed = [
-        parse_expression(side, scope, in_percent) if found else None for side, found in zip(sides, names, strict=True)
-    ]
-    first = next(each for each in parsed if each is not None)
-    parts: list[Expression | float] = []
-    for side, expression in zip(sides, parsed, strict=True):
-        parts.append(_parse_value(text, side, first, sides, signs) if expression is None else expression)
-    units = {part.unit for part in parts if isinstance(part, Expression)}
-    if len(units) > 1:
-        found = " and ".join(f"[{unit or '-'}]" for unit in sorted(units))
-        raise ExpressionError(f"'{text}' compares numbers in {found}", "compare numbers of one unit")
-    written = next((written_unit(side) for side, each in zip(sides, parsed, strict=True) if each is None), "")
-    return Statement(text, tuple(parts), signs, written)
-
-
-def _parse_value(
-    text: str, written: str, expression: Expression, sides: Sequence[str], signs: Sequence[str]
-) -> float:  # fmt: skip
-    """Return a value of a statement [SI].  Raises ExpressionError.
-
-    written : the value
-    expression : that it is compared with
-    """
-    behind = _BEHIND.fullmatch(written)
-    if behind is not None and len(sides) == 2:
-        ordered = _put_place_before(behind, written, sides, signs)
-        raise ExpressionError(f"'{text}': the place stands behind the value", f"write `{ordered}`")
-    unit = expression.unit
-    shown = _VALUES.get(unit, f"1 {unit}")
-    hint = f"write e.g. `{expression} {signs[0]} {shown}`"
-    if unit == "m" and all(map(_has_ratio, expression.quantities)):
-        hint += f" or `{expression} {signs[0]} 2 %`"
-    measure = Quantity("value", unit, shown)
-    try:
-        number = float(measure.read(written))
-    except PydanticCustomError as error:
-        raise ExpressionError(f"'{text}': {(error.context or {})['message']}", hint) from None
-    if unit and not written_unit(written):
-        raise ExpressionError(f"'{text}': the value has no unit", hint)
-    return number
-
-
-def _put_place_before(behind: re.Match[str], written: str, sides: Sequence[str], signs: Sequence[str]) -> str:
-    """Return a statement whose place stands behind its value, `mu > 4 in soft`, as it is written: `mu in soft > 4`.
-
-    behind : match of the value with its place
-    """
-    other = sides[1] if written == sides[0] else sides[0]
-    joint = " " if re.search(r"\sin\s", other) else " in "  # it names a place already
-    ordered = f"{other}{joint}{behind['place']}"
-    value = behind["value"]
-    return f"{value} {signs[0]} {ordered}" if written == sides[0] else f"{ordered} {signs[0]} {value}"
-
-
-# Limits
-
-
-CONTACT = "contact"
-COLLAPSE = "collapse"
-DRIFT_RATIO = "drift_ratio"
-DAMAGE_LIMITS = {f"{state} damage": state for state in DAMAGE_STATES}
-"""Limits of buildings that are only seen: the drift at which a damage state of their type begins."""
-
-EDGE_DRIFT = "edge_drift"
-EDGE_DRIFT_RATIO = "edge_drift_ratio"
-TWIST = "twist"
-EVENTS = (CONTACT, COLLAPSE, *DAMAGE_LIMITS)
-"""Limits without a value."""
-
-OF_HEIGHT = {OVER_HEIGHT[name]: name for name in ("drift", EDGE_DRIFT)}
-"""Quantity that is a part of the storey's height -> the same as a length."""
-
-_RANGES = {
-    "mu": Quantity("ductility", "", "mu > 4", 0.0, 1e6, open_low=True),
-    "drift": LENGTH.replace(name="drift", example="drift > 6 cm"),
-    "drift_ratio": Quantity("drift ratio", "", "drift > 2 %", 0.0, 1.0, open_low=True, open_high=True),
-    EDGE_DRIFT: LENGTH.replace(name="edge drift", example="edge_drift > 6 cm"),
-    "edge_drift_ratio": Quantity("edge drift ratio", "", "edge_drift > 2 %", 0.0, 1.0, open_low=True, open_high=True),
-    TWIST: Quantity("twist", "rad", "twist > 0.01 rad", 0.0, 1.0, open_low=True),
-    "acceleration": ACCELERATION.replace(example="acceleration > 1 g"),
-    SHEAR_DEMAND: Quantity("shear demand", "", "shear_demand > 1", 0.0, 1e6, open_low=True),
-}
-"""Quantities that may be limited, with the range of the limit."""
-
-LIMITS = (*_RANGES, *EVENTS)
-
-LIMITS_OF_PAIRS = (CONTACT, SHEAR_DEMAND)
-"""Limits that a building alone cannot pass."""
-
-_EVENT = re.compile(rf"(?P<event>{'|'.join(EVENTS)})\b\s*(?P<rest>.*)")
-_FIRST_NAME = re.compile(rf"(?:(?:{'|'.join(REDUCTIONS)})\s+)*(?P<name>[^\W\d]\w*)")
-
-
-def limit_hint(buildings: Sequence[str]) -> str:
-    """Return how a limit is written, with the buildings of the study."""
-    return (
-        f"write e.g. `mu > 4`, `mu in {buildings[0]} storey 1 > 4`, `drift > 2 %`, `edge_drift > 2 %`, "
-        f"`acceleration > 1 g`, `shear_demand > 1`, `contact` or `collapse in {buildings[-1]}`"
-    )
-
-
-@dataclass(frozen=True)
-class Limit:
-    """One limit.
-
-    text : as people read it
-    quantity : one of LIMITS
-    value : [-], [m] or [m/s2]; 0 of contact, where a gap that closes passes the limit, and of collapse
-    of_height : the value is a part of the storey's height
-    building : the place in the group of the only one it concerns, from 0; None for each of them
-    level : its only storey or floor, from 1 at the ground; 0 for any of them
-    line : the only frame line of that building it concerns, from 1; 0 for the storeys
-    """
-
-    text: str
-    quantity: str
-    value: float = 0.0
-    of_height: bool = False
-    building: int | None = None
-    level: int = 0
-    line: int = 0
-
-    def __str__(self) -> str:
-        return self.text
-
-
-@dataclass(frozen=True)
-class Target:
-    """The limit of a curve, and the building that it concerns.
-
-    building : its place in the group; of contact that of the left one of a pair
-    is_damage : whether the limit is the drift at which a damage state begins
-    """
-
-    limit: Limit
-    building: int
-    is_damage: bool = False
-
-    def label(self, names: tuple[str, ...]) -> str:
-        """Return the name of the building, or of the pair."""
-        if self.limit.quantity == CONTACT:
-            return f"{names[self.building]}|{names[self.building + 1]}"
-        return names[self.building]
-
-
-def parse_limit(text: str, scope: Scope) -> Limit:
-    """Return a limit of fragility: an event, or a statement that one quantity lies above a value.
-
-    Raises
-    ------
-    ExpressionError : what is wrong, and what to write
-    """
-    text = " ".join(text[: MAX_LENGTH + 1].split())
-    event = _EVENT.match(text)
-    if event is not None:
-        return _parse_event(text, event, scope)
-    wrong = f"'{text[:60]}' is not a limit"
-    hint = limit_hint(scope.buildings)
-    first = _FIRST_NAME.match(text)
-    name = first["name"] if first else text.partition(">")[0].strip()
-    if name not in _RANGES:
-        raise ExpressionError(wrong, f"{nearest(name, LIMITS)}; {hint}")
-    if not _SIGN.search(text):
-        raise ExpressionError(f"{wrong}: {name} takes `>` and a value", hint)
-    statement = parse_statement(text, replace(scope, of_limits=True))
-    expression, value = statement.parts[:2]
-    if len(statement.parts) > 2 or not (isinstance(expression, Expression) and isinstance(value, float)):
-        raise ExpressionError(f"{wrong}: it compares more than one quantity with one number", hint)
-    if statement.signs != (">",):
-        raise ExpressionError(f"{wrong}: {name} takes `>` and a value", hint)
-    part = expression.quantities[0]
-    if not expression.is_plain or part != TableQuantity(
-        part.name, building=part.building, level=part.level, line=part.line
-    ):
-        raise ExpressionError(f"{wrong}: it takes the largest of one quantity, without arithmetic", hint)
-    quantity = part.name.removeprefix("line_")
-    try:
-        _RANGES[quantity].read(value)
-    except PydanticCustomError as error:
-        message = (error.context or {})["message"]
-        raise ExpressionError(f"'{text}': {message}", _RANGES[quantity].usage) from None
-    length = OF_HEIGHT.get(quantity, quantity)
-    return Limit(text, length, value, length != quantity, part.building, part.level, part.line)
-
-
-def _parse_event(text: str, event: re.Match[str], scope: Scope) -> Limit:
-    """Return a limit without a value, `collapse in soft`.  Raises ExpressionError."""
-    name, rest = event["event"], event["rest"]
-    hint = limit_hint(scope.buildings)
-    if _SIGN.search(rest):
-        raise ExpressionError(f"'{text[:60]}' is not a limit: {name} takes no value", hint)
-    if not rest:
-        return Limit(text, name)
-    phrase = re.match(_PHRASE.format(places=_place_pattern(scope)), f"{name.split()[-1]} {rest}")
-    if phrase is None or phrase["in"] is None:
-        raise ExpressionError(f"'{text[:60]}' is not a limit", hint)
-    if name == CONTACT:
-        raise ExpressionError(f"'{text}': {name} concerns two buildings, not one of them", f"write `{name}`")
-    try:
-        places = _parse_places(phrase, name, scope)
-    except ExpressionError as error:
-        raise ExpressionError(f"'{text}': {error.args[0]}", error.args[1]) from None
-    if places != _Places(places.building) or phrase.end() < len(phrase.string):
-        message = f"'{text}': {name} concerns a building, not one of its storeys"
-        raise ExpressionError(message, f"write `{name}` or `{name} in {scope.buildings[-1]}`")
-    return Limit(text, name, building=places.building)

@@ -8,14 +8,8 @@ from typing import TYPE_CHECKING
 
 from pydantic_core import PydanticCustomError
 
-from pounding_cli.study.expression import (
-    ExpressionError,
-    Scope,
-    Statement,
-    find_point,
-    parse_expression,
-    parse_statement,
-)
+from pounding_cli.study.comparison import Comparison, parse_comparison
+from pounding_cli.study.expression import ExpressionError, Scope, find_point, parse_expression
 from pounding_cli.study.quantity import Quantity, written_unit
 
 if TYPE_CHECKING:
@@ -24,7 +18,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class StudyStatement:
+class Statement:
     """A statement of a study.
 
     name : short, for tables
@@ -38,7 +32,7 @@ class StudyStatement:
     says: str
     source: str
     reading: str
-    comparisons: tuple[Statement, ...]
+    comparisons: tuple[Comparison, ...]
     printed: float | None
     over_motions: str
 
@@ -52,15 +46,15 @@ Fault = tuple["KeyPath", str, str]
 """Place below `statements`, what is wrong, what to write."""
 
 
-def parse_statements(specs: tuple[StatementSpec, ...], scope: Scope) -> tuple[list[StudyStatement], list[Fault]]:
+def parse_statements(specs: tuple[StatementSpec, ...], scope: Scope) -> tuple[list[Statement], list[Fault]]:
     """Return the statements of a study, and what is wrong with them."""
-    statements: list[StudyStatement] = []
+    statements: list[Statement] = []
     faults: list[Fault] = []
     for number, spec in enumerate(specs):
         name = spec.name or str(number + 1)
         if name in [each.name for each in statements]:
             faults.append(((number, "name"), f"two statements are called '{name}'", "give one another name"))
-        comparisons: list[Statement] = []
+        comparisons: list[Comparison] = []
         printed = None
         try:
             here = replace(scope, point=find_point(spec.at, scope.axes))
@@ -69,7 +63,7 @@ def parse_statements(specs: tuple[StatementSpec, ...], scope: Scope) -> tuple[li
             here = scope
         for place, text in enumerate(spec.holds):
             try:
-                comparisons.append(parse_statement(text, here))
+                comparisons.append(parse_comparison(text, here))
             except ExpressionError as error:
                 faults.append(((number, "holds", place), *error.args))
         if spec.number is not None:
@@ -79,12 +73,12 @@ def parse_statements(specs: tuple[StatementSpec, ...], scope: Scope) -> tuple[li
             except ExpressionError as error:
                 faults.append(((number, error.args[2] if len(error.args) > 2 else "number"), *error.args[:2]))
         statements.append(
-            StudyStatement(name, spec.says, spec.source, spec.reading, tuple(comparisons), printed, spec.over_motions)
+            Statement(name, spec.says, spec.source, spec.reading, tuple(comparisons), printed, spec.over_motions)
         )
     return statements, faults
 
 
-def parse_number(spec: StatementSpec, scope: Scope) -> tuple[Statement, float]:
+def parse_number(spec: StatementSpec, scope: Scope) -> tuple[Comparison, float]:
     """Return that a number is what its source prints, within what a statement allows, and what that is [SI].
 
     Raises
@@ -103,7 +97,7 @@ def parse_number(spec: StatementSpec, scope: Scope) -> tuple[Statement, float]:
     if within < 0:
         raise ExpressionError(f"'{spec.within}' lies below 0", "write by how much the number may differ", "within")
     text = f"{expression} = {spec.is_}"
-    return Statement(
+    return Comparison(
         text, (printed - within, expression, printed + within), ("<=", "<="), written_unit(spec.is_)
     ), printed
 
@@ -121,7 +115,7 @@ def _read_value(key: str, written: str, unit: str) -> float:
     return number
 
 
-def iter_comparisons(statements: list[StudyStatement]) -> Iterator[tuple[StudyStatement, Statement]]:
+def iter_comparisons(statements: list[Statement]) -> Iterator[tuple[Statement, Comparison]]:
     """Yield every comparison with its statement."""
     for statement in statements:
         for comparison in statement.comparisons:

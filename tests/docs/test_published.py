@@ -14,7 +14,7 @@ from pages import ROOT, hook
 
 import pounding_cli
 from pounding_cli.errors import InputError
-from pounding_cli.questions.run.statements import FAILS, HOLDS, list_verdicts
+from pounding_cli.questions.statements import FAILS, HOLDS, list_verdicts
 
 PUBLISHED = hook("published")
 SOON = ("eccentric-blow", "sliding-block", "moat-wall")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from pounding_cli.questions.run.statements import format_value
+from pounding_cli.questions.statements import format_value
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,8 @@ import pytest
 import pounding_cli as pound
 from pounding_cli.errors import InputError
 from pounding_cli.questions.comparison import collect_statements, compare_statements
-from pounding_cli.questions.run.statements import (
+from pounding_cli.questions.sensitivity.question import Sensitivity
+from pounding_cli.questions.statements import (
     ERROR,
     FAILS,
     HOLDS,
@@ -24,8 +25,8 @@ from pounding_cli.questions.run.statements import (
     list_verdicts,
     view_verdicts,
 )
-from pounding_cli.questions.sensitivity.question import Sensitivity
-from pounding_cli.study.expression import QUANTITIES, ExpressionError, Scope, parse_statement
+from pounding_cli.study.comparison import parse_comparison
+from pounding_cli.study.expression import QUANTITIES, ExpressionError, Scope
 
 STUDY: dict[str, Any] = {
     "title": "Statements",
@@ -399,7 +400,7 @@ def test_a_time_may_be_that_of_a_floor(folder):
 )
 def test_a_comparison_that_is_refused(text, message, hint):
     with pytest.raises(ExpressionError) as refused:
-        parse_statement(text, SCOPE)
+        parse_comparison(text, SCOPE)
     assert message in refused.value.args[0]
     assert hint in refused.value.args[1]
 
@@ -408,8 +409,8 @@ def test_a_comparison_that_is_refused(text, message, hint):
 def test_what_a_refusal_says_to_write_is_understood(name):
     """Fails if a unit of a table is none that people may write."""
     with pytest.raises(ExpressionError) as refused:
-        parse_statement(f"{name} > 1 Pa", SCOPE)
-    parse_statement(refused.value.args[1].split("`")[1], SCOPE)
+        parse_comparison(f"{name} > 1 Pa", SCOPE)
+    parse_comparison(refused.value.args[1].split("`")[1], SCOPE)
 
 
 @pytest.mark.parametrize(
@@ -500,3 +501,12 @@ def test_a_sensitivity_refuses_instants():
     study = {key: value for key, value in study.items() if value is not None}
     with pytest.raises(InputError, match=r"`pound sensitivity` keeps no histories"):
         Sensitivity(pound.load_study(study))
+
+
+def test_a_motion_of_the_catalogue_that_the_study_does_not_use_is_not_tested(folder):
+    """So that statements outlive another choice of motions; a name that nobody knows is refused."""
+    statement = {"holds": ["scale in elcentro > 0", "scale in parkfield > 0"]}
+    (verdict,) = list_verdicts(solve(folder, statement, estimate="none").table("statements"))
+    assert [row["outcome"] for row in verdict.rows] == [HOLDS, UNKNOWN]
+    with pytest.raises(InputError, match="no building, case, analysis or motion 'parkfeld' in the study"):
+        solve(folder, {"holds": "scale in parkfeld > 0"})

@@ -15,7 +15,7 @@ import pandas as pd
 import pytest
 
 import pounding_cli as pound
-from pounding_cli.questions.run.statements import FAILS, HOLDS, UNKNOWN
+from pounding_cli.questions.statements import FAILS, HOLDS, UNKNOWN
 
 STUDY: dict[str, Any] = {
     "records": {"use": ["elcentro", "taft"], "duration": "2 s"},

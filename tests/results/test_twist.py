@@ -22,7 +22,8 @@ from pounding_cli.results.export import export
 from pounding_cli.results.pelicun import demands
 from pounding_cli.results.plausible import implausible_results
 from pounding_cli.results.results import ResultTables
-from pounding_cli.study.expression import ExpressionError, Scope, parse_expression, parse_limit, parse_statement
+from pounding_cli.study.comparison import parse_comparison, parse_limit
+from pounding_cli.study.expression import ExpressionError, Scope, parse_expression
 
 STUDY = """\
 title: End of a row
@@ -292,9 +293,9 @@ def test_an_expression_is_the_number_of_the_tables(results, text, query, column)
         (parse_expression, "line_mu in corner", "belongs to a frame line", "`mu in line 1 of corner`"),
         (parse_expression, "twist in line 1 of corner", "frame lines have no twist", "V, V0, V_ratio, mu"),
         (parse_expression, "mu in line 0 of corner", "there is no line 0", "`line 1`"),
-        (parse_statement, "twist in corner > 0.01", "the value has no unit", "> 0.01 rad`"),
-        (parse_statement, "mu < 8 in line 1 of corner", "stands behind the value", "`mu in line 1 of corner < 8`"),
-        (parse_statement, "edge_drift > 2", "the value has no unit", "`edge_drift > 2 cm` or `edge_drift > 2 %`"),
+        (parse_comparison, "twist in corner > 0.01", "the value has no unit", "> 0.01 rad`"),
+        (parse_comparison, "mu < 8 in line 1 of corner", "stands behind the value", "`mu in line 1 of corner < 8`"),
+        (parse_comparison, "edge_drift > 2", "the value has no unit", "`edge_drift > 2 cm` or `edge_drift > 2 %`"),
         (parse_limit, "mu > 3 in line 1 of corner", "stands behind the value", "`mu in line 1 of corner > 3`"),
     ],
 )
@@ -319,7 +320,7 @@ def test_an_expression_that_is_refused(parse, text, message, hint):
 )
 def test_a_place_behind_its_value_is_refused_with_the_line_that_works(text, written):
     scope = Scope(BUILDINGS)
-    for parse in (parse_statement, parse_limit) if ">" in text else (parse_statement,):
+    for parse in (parse_comparison, parse_limit) if ">" in text else (parse_comparison,):
         with pytest.raises(ExpressionError, match="the place stands behind the value") as refused:
             parse(text, scope)
         assert refused.value.args[1] == f"write `{written}`"
@@ -338,7 +339,7 @@ def test_a_place_behind_its_value_is_refused_with_the_line_that_works(text, writ
 )
 def test_a_drift_in_percent_is_that_over_the_storey_height(results, text, name):
     values = {key: array.values for key, array in results.arrays.data.items() if "analysis" in array.dims}
-    statement = parse_statement(text, Scope(BUILDINGS))
+    statement = parse_comparison(text, Scope(BUILDINGS))
     found = evaluate_expression(statement.first, values, "largest")
     expected = evaluate_expression(parse_expression(name, Scope(BUILDINGS)), values, "largest")
     np.testing.assert_array_equal(found, expected)
@@ -350,12 +351,12 @@ def test_a_drift_in_percent_is_that_over_the_storey_height(results, text, name):
 @pytest.mark.parametrize("text", ["drift0 > 2 %", "drift - drift0 > 2 %", "drift [1 s] > 2 %", "displacement > 2 %"])
 def test_other_lengths_are_not_compared_with_a_part_of_the_height(text):
     with pytest.raises(ExpressionError, match="is no value: expected"):
-        parse_statement(text, Scope(BUILDINGS))
+        parse_comparison(text, Scope(BUILDINGS))
 
 
 def test_a_ratio_of_two_drifts_is_a_number():
     """Fails if it is taken over the heights of the storeys."""
-    quantities = parse_statement("drift in soft / drift in corner > 110 %", Scope(BUILDINGS)).quantities
+    quantities = parse_comparison("drift in soft / drift in corner > 110 %", Scope(BUILDINGS)).quantities
     assert {each.name for each in quantities} == {"drift"}
 
 
@@ -420,7 +421,7 @@ def test_limits_that_are_refused(text, message):
 @pytest.mark.parametrize("text", ["shear_demand in soft > 3", "impacts in storey 1 > 3"])
 def test_links_have_no_storeys_in_statements(text):
     with pytest.raises(ExpressionError, match="belongs to links, not to a building"):
-        parse_statement(text, Scope(BUILDINGS))
+        parse_comparison(text, Scope(BUILDINGS))
 
 
 # Files

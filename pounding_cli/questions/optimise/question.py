@@ -41,8 +41,9 @@ from pounding_cli.results.dataset import build_arrays
 from pounding_cli.results.flags import is_void, split_flag
 from pounding_cli.solver.response import OUTCOMES
 from pounding_cli.study import Plan, Study, make_plan
+from pounding_cli.study.comparison import Comparison, parse_comparison
 from pounding_cli.study.edit import with_values
-from pounding_cli.study.expression import Statement, parse_expression, parse_statement
+from pounding_cli.study.expression import parse_expression
 from pounding_cli.study.file import get, nearest
 from pounding_cli.study.varied_inputs import DistributedInput, KeyInput
 from pounding_cli.study.vary import read_searched
@@ -111,7 +112,7 @@ class Optimise(StudyQuestion):
         if not self.inputs and not problems.found:
             hint = "write e.g. `over: {impact.restitution: {from: 0.3, to: 0.6}}`"
             self.add_problem((), "no key is given to vary", hint, key=True)
-        self.required: tuple[Statement, ...] = parse_all(parse_statement, self, "require", spec.require)
+        self.required: tuple[Comparison, ...] = parse_all(parse_comparison, self, "require", spec.require)
         self.case = self._choose("case", "cases", spec.case, list(study.spec.cases))
         self.analysis = self._choose("analysis", "analyses", spec.analysis, list(study.spec.analyses))
         self.refuse_histories("the points of a search")
@@ -270,7 +271,7 @@ def _evaluate_sought(question: Optimise, plan: Plan, values: Values) -> pd.DataF
     )
 
 
-def _find_excess(required: Sequence[Statement], values: Values) -> np.ndarray:
+def _find_excess(required: Sequence[Comparison], values: Values) -> np.ndarray:
     """Return by how much points miss what is required, summed over statements: 0 where all hold, NaN where not known.
 
     A statement holds where it does under every motion and at every other point of a sweep; it is missed by a part of

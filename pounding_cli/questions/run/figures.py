@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from pounding_cli.questions.run.statements import STATEMENTS
+from pounding_cli.questions.statements import STATEMENTS
 from pounding_cli.report.document import Picture, Section
 from pounding_cli.report.evidence import Evidence, find_nominal
 from pounding_cli.report.figures import list_loops, list_profiles

@@ -13,7 +13,6 @@ from pounding_cli.model.scene import Analysis
 from pounding_cli.numbers import Unit, join_limited, pluralize
 from pounding_cli.questions.neighbours import note_median_buildings
 from pounding_cli.questions.run.ranking import describe_ranking
-from pounding_cli.questions.run.statements import STATEMENTS, view_verdicts
 from pounding_cli.questions.run.tables import BEYOND_MARK, PEAKS, build_means_table, build_peaks_table
 from pounding_cli.questions.run.twist import (
     CONTACT_MARK,
@@ -25,6 +24,7 @@ from pounding_cli.questions.run.twist import (
     line_values,
     list_twist_tables,
 )
+from pounding_cli.questions.statements import STATEMENTS, view_verdicts
 from pounding_cli.report.background import ADVICE, describe_accuracy, list_advice
 from pounding_cli.report.evidence import MARK, Evidence, describe_motions, find_nominal, list_acting_keys
 from pounding_cli.results.columns import CONTACT_STIFFNESS_UNKNOWN

@@ -22,8 +22,6 @@ from pounding_cli.questions.expressions import (
 )
 from pounding_cli.questions.frames import list_swept_columns
 from pounding_cli.questions.question import Answer, StudyQuestion
-from pounding_cli.questions.run import read_statements
-from pounding_cli.questions.run.statements import iter_tested
 from pounding_cli.questions.sensitivity.answer import (
     build_index_frame,
     build_places,
@@ -40,12 +38,14 @@ from pounding_cli.questions.sensitivity.tables import (
     PROBABILITIES,
     PROBABILITY_COLUMNS,
 )
+from pounding_cli.questions.statements import iter_tested, read_statements
 from pounding_cli.results.arrays import ResultArrays
 from pounding_cli.study import Plan, Study, make_plan
 from pounding_cli.study.archetypes import KEY as ARCHETYPE
 from pounding_cli.study.archetypes import list_seen
 from pounding_cli.study.axes import sweep_maps
-from pounding_cli.study.expression import Expression, Statement, parse_expression, parse_statement
+from pounding_cli.study.comparison import Comparison, parse_comparison
+from pounding_cli.study.expression import Expression, parse_expression
 from pounding_cli.study.statements import iter_comparisons
 from pounding_cli.study.varied_inputs import MotionInput, choose_option
 from pounding_cli.study.vary import read_uncertain
@@ -129,7 +129,7 @@ class Sensitivity(StudyQuestion):
             hint = "write e.g. `sensitivity: {outputs: [largest mu]}`"
             self.add_problem((), "`sensitivity:` lacks 'outputs'", hint, key=True)
         self.outputs = parse_all(parse_expression, self, "outputs", spec.outputs)
-        self.probabilities = parse_all(parse_statement, self, "probabilities", spec.probabilities)
+        self.probabilities = parse_all(parse_comparison, self, "probabilities", spec.probabilities)
         points = self.samples * (len(inputs) + (2 if spec.method == "sobol" else 1))
         if points > MAX_SAMPLES:
             message = f"{self.samples} samples make {points} points"
@@ -261,16 +261,16 @@ def _list_swept_neighbours(root: Map) -> list[str]:
 
 
 def _iter_series(
-    plan: Plan, arrays: ResultArrays, question: Sensitivity, asked: Sequence[Expression | Statement]
+    plan: Plan, arrays: ResultArrays, question: Sensitivity, asked: Sequence[Expression | Comparison]
 ) -> Iterator[Series]:
     """Yield expressions, or whether statements hold, at all samples: by point, case, analysis and expression."""
     values = _values_of_samples(arrays, question, {part.name for one in asked for part in one.quantities})
     samples_axis = len(plan.axes) - 1
     shape = values["status"].shape[:-1]
-    series: list[tuple[Expression | Statement, np.ndarray, str]] = []
+    series: list[tuple[Expression | Comparison, np.ndarray, str]] = []
     for one in asked:
         over_motions = question.spec.over_motions
-        if isinstance(one, Statement):
+        if isinstance(one, Comparison):
             of_samples, unit = find_held(one, values, over_motions), ""
         else:
             of_samples, unit = evaluate_expression(one, values, over_motions), one.unit

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from pounding_cli.errors import InputError
 from pounding_cli.numbers import NOTHING, Unit, format_number
 from pounding_cli.questions.expressions import (
     EVERY,
@@ -18,21 +19,27 @@ from pounding_cli.questions.expressions import (
     evaluate_parts,
     find_held,
     find_margin,
+    find_missing_places,
+    find_scope,
     find_spread,
     name_variables,
 )
 from pounding_cli.questions.frames import PURE_NUMBER, list_swept_columns
 from pounding_cli.questions.instants import Instants
-from pounding_cli.study.statements import StudyStatement, iter_comparisons
+from pounding_cli.study.expression import ABSENT
+from pounding_cli.study.issues import Issues
+from pounding_cli.study.statements import Statement, iter_comparisons, parse_statements
 from pounding_cli.tables import Column, Row, Table, build_table
 from pounding_cli.units import find_unit_factor
 
 if TYPE_CHECKING:
     import pandas as pd
 
+    from pounding_cli.questions.question import StudyQuestion
     from pounding_cli.results.arrays import ResultArrays
     from pounding_cli.results.results import ResultTables
-    from pounding_cli.study.expression import Statement
+    from pounding_cli.study import Study
+    from pounding_cli.study.comparison import Comparison
     from pounding_cli.study.plan import Plan
 
 STATEMENTS = "statements"
@@ -81,6 +88,83 @@ STATEMENT_COLUMNS = (
 """The table `statements`: a row a comparison at a point of the sweep, in a case and analysis."""
 
 
+def read_statements(question: StudyQuestion, keeps_histories: bool = False) -> list[Statement]:
+    """Return the statements of a study.  Note what is wrong with them.
+
+    keeps_histories : whether the question keeps time histories, on which a statement may rest
+    """
+    study = question.study
+    specs = study.spec.statements
+    is_file = isinstance(specs, str)
+    if is_file:
+        specs = _read_statements_of(question, specs)
+    statements, faults = parse_statements(specs, find_scope(study, whole=True))
+    places = [(("statements", *path), message, hint) for path, message, hint in faults]
+    for number, statement in enumerate(statements):
+        written = [" ".join(text.split()) for text in specs[number].holds]
+        for comparison in statement.comparisons:
+            text = comparison.text
+            key = ("holds", written.index(text)) if text in written else ("number",)
+            places += [(("statements", number, *key), *each) for each in find_missing_places(comparison, question)]
+        places += [(("statements", number), *each) for each in _find_lost_histories(statement, study)]
+        if statement.needs_histories and not keeps_histories:
+            message = f"statement {statement.name} rests on an instant, and `pound {question.name}` keeps no histories"
+            places.append((("statements", number), message, "move it to another study, for `pound run`"))
+        elif statement.needs_histories and study.spec.keep is None:
+            message = f"statement {statement.name} rests on an instant, and the study keeps no histories"
+            places.append((("statements", number), message, "write e.g. `keep: {histories: {every: 1 ms}}`"))
+    for path, message, hint in places:
+        if is_file:
+            message = f"{study.spec.statements}, statement {statements[int(path[1])].name}: {message}"
+        question.problems.add_at(study.tree, path[:1] if is_file else path, message, hint)
+    return statements
+
+
+def _find_lost_histories(statement: Statement, study: Study) -> Iterator[tuple[str, str]]:
+    """Yield the cases, analyses and motions whose histories a statement names and the study does not keep, and what to
+    write."""
+    keep = study.spec.keep
+    if keep is None or isinstance(keep, str) or isinstance(keep.histories, str):
+        return
+    scope = find_scope(study, whole=True)
+    chosen = (
+        ("cases", keep.histories.cases, scope.cases, "case"),
+        ("analyses", keep.histories.analyses, scope.analyses, "analysis"),
+        ("records", keep.histories.records, scope.motions, "motion"),
+    )
+    for comparison in statement.comparisons:
+        for part in comparison.quantities:
+            for key, kept, names, kind in chosen:
+                place = getattr(part, kind)
+                if part.instant is None or kept is None or place in (None, ABSENT):
+                    continue
+                if names[place] not in kept:
+                    message = f"'{comparison}' rests on a history of {names[place]}, which is not kept"
+                    yield message, f"write {names[place]} in `{key}` of `keep: histories`"
+
+
+def _read_statements_of(question: StudyQuestion, file: str) -> tuple[Any, ...]:
+    """Return the statements of another study file as they are validated.  Note that it has none."""
+    from pounding_cli.study.file import read_study
+    from pounding_cli.study.written import read_specs
+
+    study = question.study
+    path = study.path.resolve().parent / file
+    try:
+        _, tree = read_study(path)
+    except InputError as error:
+        question.problems.extend(error.problems)
+        return ()
+    issues = Issues()
+    specs = read_specs(tree, issues, type(study.spec))
+    found = specs.get(("statements",))
+    if not isinstance(found, tuple) or not found:
+        hint = "name a study file with a list under `statements:`"
+        question.problems.add_at(study.tree, ("statements",), f"{file} has no list of statements", hint)
+        return ()
+    return found
+
+
 class Tested(NamedTuple):
     """A comparison, tested; arrays over sweep, cases, analyses and motions, of length 1 where these do not matter.
 
@@ -89,8 +173,8 @@ class Tested(NamedTuple):
     margin, error, sensitivity : by how much it is met, and what moves that [SI]
     """
 
-    statement: StudyStatement
-    comparison: Statement
+    statement: Statement
+    comparison: Comparison
     parts: tuple[np.ndarray, ...]
     held: np.ndarray
     margin: np.ndarray
@@ -99,7 +183,7 @@ class Tested(NamedTuple):
 
 
 def iter_tested(
-    statements: list[StudyStatement], values: Values, instants: FindAtInstant | None = None
+    statements: list[Statement], values: Values, instants: FindAtInstant | None = None
 ) -> Iterator[Tested]:  # fmt: skip
     """Yield every comparison of statements with its numbers."""
     for statement, comparison in iter_comparisons(statements):
@@ -117,7 +201,7 @@ def iter_tested(
         yield Tested(statement, comparison, tuple(parts), held, margin, error, sensitivity)
 
 
-def find_values(plan: Plan, arrays: ResultArrays, statements: list[StudyStatement]) -> Values:
+def find_values(plan: Plan, arrays: ResultArrays, statements: list[Statement]) -> Values:
     """Return the variables that statements rest on."""
     quantities = [part for _, each in iter_comparisons(statements) for part in each.quantities]
     axes = [axis.names[0] for axis in plan.axes]
@@ -127,7 +211,7 @@ def find_values(plan: Plan, arrays: ResultArrays, statements: list[StudyStatemen
 def build_statement_table(
     plan: Plan,
     arrays: ResultArrays,
-    statements: list[StudyStatement],
+    statements: list[Statement],
     histories: Iterable[tuple[tuple[int, ...], ResultArrays]],
 ) -> Table:
     """Return the table of the statements of a study.
@@ -194,7 +278,7 @@ def judge(tested: Tested, at: tuple[int, ...]) -> dict[str, Any]:
     }
 
 
-def _tell_step(comparison: Statement, parts: Sequence[float]) -> tuple[float, str]:
+def _tell_step(comparison: Comparison, parts: Sequence[float]) -> tuple[float, str]:
     """Return the number that decides a comparison, and what it should be.
 
     parts : values of its parts [SI]

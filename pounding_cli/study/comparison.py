@@ -1,0 +1,353 @@
+"""Comparisons of expressions over the tables, `drift in soft > 2 %` or `0 < mu in A / mu in B - 1 < 15 %`; limits of
+fragility: comparisons of one quantity, `mu in soft storey 1 > 4`, or events, `contact`."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from pydantic_core import PydanticCustomError
+
+from pounding_cli.model.archetypes import DAMAGE_STATES
+from pounding_cli.study.expression import (
+    HISTORY,
+    LINE,
+    MAX_LENGTH,
+    OVER_HEIGHT,
+    PHRASE,
+    QUANTITIES,
+    REDUCTIONS,
+    SHEAR_DEMAND,
+    Expression,
+    ExpressionError,
+    Places,
+    Scope,
+    TableQuantity,
+    Value,
+    has_ratio,
+    parse_expression,
+    parse_places,
+    place_pattern,
+)
+from pounding_cli.study.file import nearest
+from pounding_cli.study.quantity import ACCELERATION, LENGTH, Quantity, written_unit
+
+
+def comparison_hint(buildings: Sequence[str]) -> str:
+    """Return how a comparison is written, with the buildings of the study."""
+    return f"write e.g. `mu > 4`, `drift in {buildings[-1]} > 2 cm` or `mean V_ratio in {buildings[0]} < 1.1`"
+
+
+_SIGN = re.compile(r"\s*(<=|>=|<|>)\s*")
+ROUNDING = 4 * float(np.finfo(float).eps)
+"""Numbers that differ by this share of the larger one are the same [-]."""
+
+_BEHIND = re.compile(r"(?P<value>.*\S)\s+in\s+(?P<place>\S.*)")
+"""A value with a place behind it, as limits have it."""
+_NAMES = re.compile(r"[^\W\d]\w*")
+_VALUES = {"": "4", "m": "2 cm", "m/s2": "1 g", "N": "500 kN", "s": "0.1 s", "N s": "20 kN s", "rad": "0.01 rad"}
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A comparison that expressions and values lie above or below one another: `mu > 4`, `0 < a / b - 1 < 15 %`.
+
+    text : as people read it
+    parts : expressions and values [SI], left to right
+    signs : between them: <, >, <= or >=
+    written_unit : of its values; "" where they have none
+    """
+
+    text: str
+    parts: tuple[Expression | float, ...]
+    signs: tuple[str, ...]
+    written_unit: str = ""
+
+    @property
+    def expressions(self) -> tuple[Expression, ...]:
+        """The expressions among its parts."""
+        return tuple(part for part in self.parts if isinstance(part, Expression))
+
+    @property
+    def quantities(self) -> tuple[TableQuantity, ...]:
+        """The numbers of the tables that it rests on."""
+        return tuple(quantity for part in self.expressions for quantity in part.quantities)
+
+    @property
+    def first(self) -> Expression:
+        """The first expression."""
+        return self.expressions[0]
+
+    @property
+    def scale(self) -> float:
+        """The size of its values, by which it is missed or met [SI]; 1 where they are 0 or where there are none."""
+        return max((abs(part) for part in self.parts if isinstance(part, float)), default=0.0) or 1.0
+
+    @property
+    def bounds_below(self) -> bool:
+        """Whether it holds the better, the larger its first expression is."""
+        place = self.parts.index(self.first)
+        return (self.signs[place] if place < len(self.signs) else {"<": ">", ">": "<"}[self.signs[-1][0]])[0] == ">"
+
+    def find_parts(self, value: Value) -> list[np.ndarray]:
+        """Return the values of its parts from those of its quantities [SI]; NaN where an expression has none."""
+        parts = [part(value) if isinstance(part, Expression) else np.asarray(part) for part in self.parts]
+        return [np.where(np.isfinite(part), part, np.nan) for part in parts]
+
+    def find_steps(self, parts: Sequence[np.ndarray]) -> list[np.ndarray]:
+        """Return by how much every comparison of two neighbouring parts is met, below 0 where it is missed; 0 where
+        they differ by no more than rounding [SI]."""
+        steps = []
+        for left, sign, right in zip(parts[:-1], self.signs, parts[1:], strict=True):
+            step = right - left if sign.startswith("<") else left - right
+            is_rounding = np.abs(step) <= ROUNDING * np.maximum(np.abs(left), np.abs(right))
+            steps.append(np.where(is_rounding, 0.0, step))
+        return steps
+
+    def margin(self, value: Value) -> np.ndarray:
+        """Return by how much the comparison is met, below 0 where it is missed; NaN where there is no value [SI]."""
+        first, *others = self.find_steps(self.find_parts(value))
+        for step in others:
+            first = np.minimum(first, step)  # NaN stays NaN
+        return np.asarray(first)
+
+    def find_held(self, value: Value) -> np.ndarray:
+        """Return 1 where the comparison holds, 0 where it does not, NaN where there is no value."""
+        is_met: np.ndarray | bool = True
+        for sign, step in zip(self.signs, self.find_steps(self.find_parts(value)), strict=True):
+            is_met = is_met & (step >= 0 if sign.endswith("=") else step > 0)
+        return np.where(np.isnan(self.margin(value)), np.nan, is_met)
+
+    def __str__(self) -> str:
+        return self.text
+
+
+def parse_comparison(text: str, scope: Scope) -> Comparison:
+    """Return a comparison over the tables of a study; arguments and errors as those of `parse_expression`."""
+    if len(text) > MAX_LENGTH:
+        raise ExpressionError(f"{len(text)} characters are not a comparison", comparison_hint(scope.buildings))
+    text = " ".join(text.split())
+    outside = re.sub(r"\[[^\[\]]*\]", lambda match: "_" * len(match[0]), text)  # a point of the sweep has signs too
+    marks = list(_SIGN.finditer(outside))
+    ends = [0, *(end for mark in marks for end in mark.span()), len(text)]
+    sides = [text[begin:end].strip() for begin, end in zip(ends[::2], ends[1::2], strict=True)]
+    signs = tuple(mark[1] for mark in marks)
+    if not signs or "" in sides[:1] or "=" in _SIGN.sub(" ", outside):
+        raise ExpressionError(f"'{text}' is not compared with a value by < or >", comparison_hint(scope.buildings))
+    if len(sides) > 3 or len({sign[0] for sign in signs}) > 1:
+        hint = comparison_hint(scope.buildings)
+        raise ExpressionError(f"'{text}' compares more than one number with its lower and upper end", hint)
+    known = {*QUANTITIES, *HISTORY, *(name.removeprefix("line_") for name in LINE)}
+    names = [set(_NAMES.findall(side)) & known for side in sides]
+    if not any(names):
+        parse_expression(sides[0], scope)  # says what is wrong with it
+        raise ExpressionError(f"'{text}': it takes nothing from the tables", comparison_hint(scope.buildings))
+    in_percent = any(written_unit(side) == "%" for side in sides)
+    parsed = [
+        parse_expression(side, scope, in_percent) if found else None for side, found in zip(sides, names, strict=True)
+    ]
+    first = next(each for each in parsed if each is not None)
+    parts: list[Expression | float] = []
+    for side, expression in zip(sides, parsed, strict=True):
+        parts.append(_parse_value(text, side, first, sides, signs) if expression is None else expression)
+    units = {part.unit for part in parts if isinstance(part, Expression)}
+    if len(units) > 1:
+        found = " and ".join(f"[{unit or '-'}]" for unit in sorted(units))
+        raise ExpressionError(f"'{text}' compares numbers in {found}", "compare numbers of one unit")
+    written = next((written_unit(side) for side, each in zip(sides, parsed, strict=True) if each is None), "")
+    return Comparison(text, tuple(parts), signs, written)
+
+
+def _parse_value(
+    text: str, written: str, expression: Expression, sides: Sequence[str], signs: Sequence[str]
+) -> float:  # fmt: skip
+    """Return a value of a comparison [SI].  Raises ExpressionError.
+
+    written : the value
+    expression : that it is compared with
+    """
+    behind = _BEHIND.fullmatch(written)
+    if behind is not None and len(sides) == 2:
+        ordered = _put_place_before(behind, written, sides, signs)
+        raise ExpressionError(f"'{text}': the place stands behind the value", f"write `{ordered}`")
+    unit = expression.unit
+    shown = _VALUES.get(unit, f"1 {unit}")
+    hint = f"write e.g. `{expression} {signs[0]} {shown}`"
+    if unit == "m" and all(map(has_ratio, expression.quantities)):
+        hint += f" or `{expression} {signs[0]} 2 %`"
+    measure = Quantity("value", unit, shown)
+    try:
+        number = float(measure.read(written))
+    except PydanticCustomError as error:
+        raise ExpressionError(f"'{text}': {(error.context or {})['message']}", hint) from None
+    if unit and not written_unit(written):
+        raise ExpressionError(f"'{text}': the value has no unit", hint)
+    return number
+
+
+def _put_place_before(behind: re.Match[str], written: str, sides: Sequence[str], signs: Sequence[str]) -> str:
+    """Return a comparison whose place stands behind its value, `mu > 4 in soft`, as it is written: `mu in soft > 4`.
+
+    behind : match of the value with its place
+    """
+    other = sides[1] if written == sides[0] else sides[0]
+    joint = " " if re.search(r"\sin\s", other) else " in "  # it names a place already
+    ordered = f"{other}{joint}{behind['place']}"
+    value = behind["value"]
+    return f"{value} {signs[0]} {ordered}" if written == sides[0] else f"{ordered} {signs[0]} {value}"
+
+
+# Limits
+
+
+CONTACT = "contact"
+COLLAPSE = "collapse"
+DRIFT_RATIO = "drift_ratio"
+DAMAGE_LIMITS = {f"{state} damage": state for state in DAMAGE_STATES}
+"""Limits of buildings that are only seen: the drift at which a damage state of their type begins."""
+
+EDGE_DRIFT = "edge_drift"
+EDGE_DRIFT_RATIO = "edge_drift_ratio"
+TWIST = "twist"
+EVENTS = (CONTACT, COLLAPSE, *DAMAGE_LIMITS)
+"""Limits without a value."""
+
+OF_HEIGHT = {OVER_HEIGHT[name]: name for name in ("drift", EDGE_DRIFT)}
+"""Quantity that is a part of the storey's height -> the same as a length."""
+
+_RANGES = {
+    "mu": Quantity("ductility", "", "mu > 4", 0.0, 1e6, open_low=True),
+    "drift": LENGTH.replace(name="drift", example="drift > 6 cm"),
+    "drift_ratio": Quantity("drift ratio", "", "drift > 2 %", 0.0, 1.0, open_low=True, open_high=True),
+    EDGE_DRIFT: LENGTH.replace(name="edge drift", example="edge_drift > 6 cm"),
+    "edge_drift_ratio": Quantity("edge drift ratio", "", "edge_drift > 2 %", 0.0, 1.0, open_low=True, open_high=True),
+    TWIST: Quantity("twist", "rad", "twist > 0.01 rad", 0.0, 1.0, open_low=True),
+    "acceleration": ACCELERATION.replace(example="acceleration > 1 g"),
+    SHEAR_DEMAND: Quantity("shear demand", "", "shear_demand > 1", 0.0, 1e6, open_low=True),
+}
+"""Quantities that may be limited, with the range of the limit."""
+
+LIMITS = (*_RANGES, *EVENTS)
+
+LIMITS_OF_PAIRS = (CONTACT, SHEAR_DEMAND)
+"""Limits that a building alone cannot pass."""
+
+_EVENT = re.compile(rf"(?P<event>{'|'.join(EVENTS)})\b\s*(?P<rest>.*)")
+_FIRST_NAME = re.compile(rf"(?:(?:{'|'.join(REDUCTIONS)})\s+)*(?P<name>[^\W\d]\w*)")
+
+
+def limit_hint(buildings: Sequence[str]) -> str:
+    """Return how a limit is written, with the buildings of the study."""
+    return (
+        f"write e.g. `mu > 4`, `mu in {buildings[0]} storey 1 > 4`, `drift > 2 %`, `edge_drift > 2 %`, "
+        f"`acceleration > 1 g`, `shear_demand > 1`, `contact` or `collapse in {buildings[-1]}`"
+    )
+
+
+@dataclass(frozen=True)
+class Limit:
+    """One limit.
+
+    text : as people read it
+    quantity : one of LIMITS
+    value : [-], [m] or [m/s2]; 0 of contact, where a gap that closes passes the limit, and of collapse
+    of_height : the value is a part of the storey's height
+    building : the place in the group of the only one it concerns, from 0; None for each of them
+    level : its only storey or floor, from 1 at the ground; 0 for any of them
+    line : the only frame line of that building it concerns, from 1; 0 for the storeys
+    """
+
+    text: str
+    quantity: str
+    value: float = 0.0
+    of_height: bool = False
+    building: int | None = None
+    level: int = 0
+    line: int = 0
+
+    def __str__(self) -> str:
+        return self.text
+
+
+@dataclass(frozen=True)
+class Target:
+    """The limit of a curve, and the building that it concerns.
+
+    building : its place in the group; of contact that of the left one of a pair
+    is_damage : whether the limit is the drift at which a damage state begins
+    """
+
+    limit: Limit
+    building: int
+    is_damage: bool = False
+
+    def label(self, names: tuple[str, ...]) -> str:
+        """Return the name of the building, or of the pair."""
+        if self.limit.quantity == CONTACT:
+            return f"{names[self.building]}|{names[self.building + 1]}"
+        return names[self.building]
+
+
+def parse_limit(text: str, scope: Scope) -> Limit:
+    """Return a limit of fragility: an event, or a comparison that one quantity lies above a value.
+
+    Raises
+    ------
+    ExpressionError : what is wrong, and what to write
+    """
+    text = " ".join(text[: MAX_LENGTH + 1].split())
+    event = _EVENT.match(text)
+    if event is not None:
+        return _parse_event(text, event, scope)
+    wrong = f"'{text[:60]}' is not a limit"
+    hint = limit_hint(scope.buildings)
+    first = _FIRST_NAME.match(text)
+    name = first["name"] if first else text.partition(">")[0].strip()
+    if name not in _RANGES:
+        raise ExpressionError(wrong, f"{nearest(name, LIMITS)}; {hint}")
+    if not _SIGN.search(text):
+        raise ExpressionError(f"{wrong}: {name} takes `>` and a value", hint)
+    comparison = parse_comparison(text, replace(scope, of_limits=True))
+    expression, value = comparison.parts[:2]
+    if len(comparison.parts) > 2 or not (isinstance(expression, Expression) and isinstance(value, float)):
+        raise ExpressionError(f"{wrong}: it compares more than one quantity with one number", hint)
+    if comparison.signs != (">",):
+        raise ExpressionError(f"{wrong}: {name} takes `>` and a value", hint)
+    part = expression.quantities[0]
+    if not expression.is_plain or part != TableQuantity(
+        part.name, building=part.building, level=part.level, line=part.line
+    ):
+        raise ExpressionError(f"{wrong}: it takes the largest of one quantity, without arithmetic", hint)
+    quantity = part.name.removeprefix("line_")
+    try:
+        _RANGES[quantity].read(value)
+    except PydanticCustomError as error:
+        message = (error.context or {})["message"]
+        raise ExpressionError(f"'{text}': {message}", _RANGES[quantity].usage) from None
+    length = OF_HEIGHT.get(quantity, quantity)
+    return Limit(text, length, value, length != quantity, part.building, part.level, part.line)
+
+
+def _parse_event(text: str, event: re.Match[str], scope: Scope) -> Limit:
+    """Return a limit without a value, `collapse in soft`.  Raises ExpressionError."""
+    name, rest = event["event"], event["rest"]
+    hint = limit_hint(scope.buildings)
+    if _SIGN.search(rest):
+        raise ExpressionError(f"'{text[:60]}' is not a limit: {name} takes no value", hint)
+    if not rest:
+        return Limit(text, name)
+    phrase = re.match(PHRASE.format(places=place_pattern(scope)), f"{name.split()[-1]} {rest}")
+    if phrase is None or phrase["in"] is None:
+        raise ExpressionError(f"'{text[:60]}' is not a limit", hint)
+    if name == CONTACT:
+        raise ExpressionError(f"'{text}': {name} concerns two buildings, not one of them", f"write `{name}`")
+    try:
+        places = parse_places(phrase, name, scope)
+    except ExpressionError as error:
+        raise ExpressionError(f"'{text}': {error.args[0]}", error.args[1]) from None
+    if places != Places(places.building) or phrase.end() < len(phrase.string):
+        message = f"'{text}': {name} concerns a building, not one of its storeys"
+        raise ExpressionError(message, f"write `{name}` or `{name} in {scope.buildings[-1]}`")
+    return Limit(text, name, building=places.building)
