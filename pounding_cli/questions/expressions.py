@@ -121,6 +121,18 @@ def find_held(
     return comparison.find_held(lambda quantity: _evaluate_quantity(quantity, values, over_motions, instants))
 
 
+def find_failed(quantities: Sequence[TableQuantity], values: Values, over_motions: str) -> np.ndarray:
+    """Return whether a time history that some quantities rest on has not run to its end, in the shape of their
+    values."""
+    failed = np.zeros((), bool)
+    for part in quantities:
+        if part.name in FACTS or part.name in OF_MOTIONS:
+            continue
+        is_ended = choose_scenes(values["status"] != DONE, part, 1)
+        failed = failed | (is_ended if over_motions == EVERY else is_ended.any(axis=-1))
+    return failed
+
+
 def evaluate_parts(
     comparison: Comparison, values: Values, over_motions: str, instants: FindAtInstant | None = None
 ) -> list[np.ndarray]:  # fmt: skip

@@ -17,6 +17,7 @@ from pounding_cli.questions.expressions import (
     Values,
     collect_values,
     evaluate_parts,
+    find_failed,
     find_held,
     find_margin,
     find_missing_places,
@@ -165,11 +166,12 @@ def _read_statements_of(question: StudyQuestion, file: str) -> tuple[Any, ...]:
     return found
 
 
-class Tested(NamedTuple):
-    """A comparison, tested; arrays over sweep, cases, analyses and motions, of length 1 where these do not matter.
+class EvaluatedComparison(NamedTuple):
+    """A comparison with its values, over sweep, cases, analyses and motions; lengths of 1 where these do not matter.
 
     parts : values of the parts of the comparison, one by one
     held : 1 where it holds, 0 where it does not, NaN where it is not known
+    failed : whether a time history that it rests on has not run to its end
     margin, error, sensitivity : by how much it is met, and what moves that [SI]
     """
 
@@ -177,19 +179,21 @@ class Tested(NamedTuple):
     comparison: Comparison
     parts: tuple[np.ndarray, ...]
     held: np.ndarray
+    failed: np.ndarray
     margin: np.ndarray
     error: np.ndarray
     sensitivity: np.ndarray
 
 
-def iter_tested(
+def iter_evaluated(
     statements: list[Statement], values: Values, instants: FindAtInstant | None = None
-) -> Iterator[Tested]:  # fmt: skip
+) -> Iterator[EvaluatedComparison]:  # fmt: skip
     """Yield every comparison of statements with its numbers."""
     for statement, comparison in iter_comparisons(statements):
         over = statement.over_motions
         arrays = [
             find_held(comparison, values, over, instants),
+            find_failed(comparison.quantities, values, over),
             find_margin(comparison, values, over, instants),
             find_spread(comparison.quantities, comparison.margin, values, over, "error", instants),
             SMALL_CHANGE * find_spread(comparison.quantities, comparison.margin, values, over, "sensitivity", instants),
@@ -197,8 +201,8 @@ def iter_tested(
         ]
         if over != EVERY:
             arrays = [each[..., None] if each.ndim else each for each in arrays]
-        held, margin, error, sensitivity, *parts = np.broadcast_arrays(*arrays)
-        yield Tested(statement, comparison, tuple(parts), held, margin, error, sensitivity)
+        held, failed, margin, error, sensitivity, *parts = np.broadcast_arrays(*arrays)
+        yield EvaluatedComparison(statement, comparison, tuple(parts), held, failed, margin, error, sensitivity)
 
 
 def find_values(plan: Plan, arrays: ResultArrays, statements: list[Statement]) -> Values:
@@ -226,9 +230,12 @@ def build_statement_table(
         gaps = np.broadcast_to(values["gap"][..., 0, 0, :], (*plan.shape[:-2], values["gap"].shape[-1]))
     instants = Instants(plan.shape, histories, gaps)
     rows: list[dict[str, Any]] = []
-    for tested in iter_tested(statements, values, instants):
+    for tested in iter_evaluated(statements, values, instants):
         shape = tested.margin.shape
+        is_counted = ~np.isnan(tested.margin) | tested.failed
         for *point, case, analysis in np.ndindex(shape[:-1]):
+            if is_counted.any() and not is_counted[(*point, case, analysis)].any():
+                continue  # no such number exists there: links of a law that the case does not have
             row: dict[str, Any] = {}
             for axis, place, size in zip(plan.axes, point, shape, strict=False):
                 is_free = size == len(axis)  # else the comparison names its point, or does not depend on it
@@ -243,10 +250,12 @@ def build_statement_table(
     return build_table(STATEMENTS, frame, [*list_swept_columns(plan.axes), *STATEMENT_COLUMNS])
 
 
-def judge(tested: Tested, at: tuple[int, ...]) -> dict[str, Any]:
+def judge(tested: EvaluatedComparison, at: tuple[int, ...]) -> dict[str, Any]:
     """Return the row of a comparison at one place: number, margin and outcome, of several motions of the worst."""
-    margins = tested.margin[at]
-    held = tested.held[at]
+    is_counted = ~np.isnan(tested.margin[at]) | tested.failed[at]
+    if not is_counted.any():
+        is_counted = np.ones_like(is_counted)
+    margins, held = (np.where(is_counted, each[at], np.inf) for each in (tested.margin, tested.held))
     is_known = ~np.isnan(margins)
     worst = int(np.nanargmin(margins)) if is_known.any() else 0
     place = (*at, worst)
@@ -272,7 +281,7 @@ def judge(tested: Tested, at: tuple[int, ...]) -> dict[str, Any]:
         "error": error,
         "sensitivity": sensitivity,
         "met": int((held == 1).sum()),
-        "motions": int(is_known.size),
+        "motions": int(is_counted.sum()),
         "outcome": outcome,
         "turns": turns if is_known.all() else "",
     }

@@ -21,12 +21,15 @@ from pounding_cli.questions.statements import (
     SENSITIVITY,
     UNDECIDED,
     UNKNOWN,
+    EvaluatedComparison,
     format_value,
+    judge,
     list_verdicts,
     view_verdicts,
 )
 from pounding_cli.study.comparison import parse_comparison
 from pounding_cli.study.expression import QUANTITIES, ExpressionError, Scope
+from pounding_cli.study.statements import Statement
 
 STUDY: dict[str, Any] = {
     "title": "Statements",
@@ -202,11 +205,30 @@ def test_floors_that_never_strike_do_not_strike(folder):
     assert set(zip(frame["outcome"], frame["turns"], strict=True)) == {(FAILS, "")}
 
 
-def test_a_case_without_links_is_counted_as_not_tested(folder):
+def test_a_number_that_a_case_does_not_have_is_left_out(folder):
+    """A case without links has no contacts, nor has one whose links obey another law; alone it is not tested."""
     cases = {"touching": STUDY["cases"]["touching"], "alone": {"link": "none", "gap": "1 m"}}
     statement = {"holds": "impacts in elastic [impact.restitution = 0.6] > 0"}
     frame = solve(folder, statement, cases=cases, estimate="none").table("statements")
-    assert [str(verdict) for verdict in list_verdicts(frame)] == [f"{PARTLY} (1 of 2)"]
+    assert (frame["case"].tolist(), frame["outcome"].tolist()) == (["touching"], [HOLDS])
+    statement = {"holds": "impacts in alone elastic > 0"}
+    frame = solve(folder, statement, cases=cases, estimate="none").table("statements")
+    assert [verdict.word for verdict in list_verdicts(frame)] == [UNKNOWN]
+
+
+@pytest.mark.parametrize(("failed", "outcome", "motions"), [([False, False], HOLDS, 1), ([False, True], UNKNOWN, 2)])
+def test_a_time_history_that_failed_is_not_left_out(failed, outcome, motions):
+    """Under the second of two motions there is no number; only where its time history ended does it not count."""
+    comparison = parse_comparison("mu > 4", SCOPE)
+    statement = Statement("a", "it yields", "", "", (comparison,), None, "each")
+    margins = np.array([1.0, np.nan])
+    parts = (margins + 4, np.full(2, 4.0))
+    held = np.array([1.0, np.nan])
+    tested = EvaluatedComparison(
+        statement, comparison, parts, held, np.array(failed), margins, 0 * margins, 0 * margins
+    )
+    row = judge(tested, ())
+    assert (row["outcome"], row["motions"]) == (outcome, motions)
 
 
 def test_a_bound_within_the_numerical_error_decides_nothing(folder, results):

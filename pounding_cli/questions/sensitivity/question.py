@@ -38,7 +38,7 @@ from pounding_cli.questions.sensitivity.tables import (
     PROBABILITIES,
     PROBABILITY_COLUMNS,
 )
-from pounding_cli.questions.statements import iter_tested, read_statements
+from pounding_cli.questions.statements import iter_evaluated, read_statements
 from pounding_cli.results.arrays import ResultArrays
 from pounding_cli.study import Plan, Study, make_plan
 from pounding_cli.study.archetypes import KEY as ARCHETYPE
@@ -303,7 +303,7 @@ def _iter_statements(plan: Plan, arrays: ResultArrays, question: Sensitivity) ->
     values = _values_of_samples(arrays, question, name_variables(quantities) | {"kind", "gap"})
     shape = values["status"].shape[: samples_axis + 1]
     is_held: dict[str, list[np.ndarray]] = {}
-    for tested in iter_tested(question.statements, values):
+    for tested in iter_evaluated(question.statements, values):
         held = tested.held
         of_points = held.reshape(*held.shape[: samples_axis + 1], -1).min(axis=-1)  # NaN stays NaN
         is_held.setdefault(tested.statement.name, []).append(np.broadcast_to(of_points, shape))
