@@ -26,7 +26,7 @@ import yaml
 
 import pounding_cli as pound
 from pounding_cli.numbers import NOTHING
-from pounding_cli.questions.statements import HOLDS, UNKNOWN, Verdict, format_value, list_verdicts
+from pounding_cli.questions.statements import HOLDS, PARTLY, UNKNOWN, Verdict, format_value, list_verdicts
 from pounding_cli.units import find_unit_factor
 
 DOCS = Path(__file__).parents[1]
@@ -184,7 +184,8 @@ def _write_alike(value: float, printed: str, digits: int, unit: str, written: st
     """Return a number as the source writes its own: the same decimals, the same unit."""
     if "e" in printed.split()[0].lower():
         return format_value(value, unit, written)
-    factor = find_unit_factor(written, unit) or 1.0 if written else 1.0
+    factor = find_unit_factor(written, unit) if written else 1.0
+    assert factor is not None  # else the study would not have been read
     return f"{value / factor:.{digits}f} {written}".rstrip()
 
 
@@ -227,8 +228,8 @@ def count_rows(rows: list[Cells]) -> list[str]:
     words = [row.verdict for row in rows if find_percentage(row) is None]
     ends = (0.0, *LIMITS, math.inf)
     counts = [sum(low < each <= high or each == low == 0.0 for each in found) for low, high in itertools.pairwise(ends)]
-    held = sum(word.startswith(HOLDS) and not word.startswith(f"{HOLDS} partly") for word in words)
-    partly = sum(word.startswith(f"{HOLDS} partly") for word in words)
+    partly = sum(word.startswith(PARTLY) for word in words)
+    held = sum(word.startswith(HOLDS) for word in words) - partly
     cells = [len(found), *counts, held, partly, len(words) - held - partly]
     return [str(each) if each else "–" for each in cells]
 

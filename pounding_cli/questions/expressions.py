@@ -51,7 +51,6 @@ EVERY = "each"
 NEEDED = ("status", "drift", "mu", "acceleration", "max_closing", "peak_force", "period")
 """Variables that tell which storeys, floors and links there are, and which building is the stiffest."""
 
-
 NO_PEAKS = ("impacts", "impulse", "contact_time")
 """Numbers of links that are no peaks, of which the sensitivity of a time history says nothing."""
 
@@ -95,8 +94,7 @@ def evaluate_expression(
 
     Shape (...), and behind that (motions,) for each of these; lengths of 1 where every quantity names its place.
 
-    values : of all variables that the expression names, of `status`, and of those that tell which storeys there are:
-        drift, mu, acceleration, max_closing, peak_force
+    values : of all variables that the expression names, and of NEEDED
     over_motions : `mean`, `largest` or `smallest` of the motions, storey by storey before storeys are compared; EVERY
     instants : quantity at an instant -> its values, shape (..., motions)
     """
@@ -117,7 +115,7 @@ def find_margin(
 def find_held(
     comparison: Comparison, values: Values, over_motions: str, instants: FindAtInstant | None = None
 ) -> np.ndarray:  # fmt: skip
-    """Return 1 where a statement holds, 0 where it does not, NaN where it is not known; as `find_margin`."""
+    """Return 1 where a comparison holds, 0 where it does not, NaN where that is not known; as `find_margin`."""
     return comparison.find_held(lambda quantity: _evaluate_quantity(quantity, values, over_motions, instants))
 
 
@@ -128,8 +126,8 @@ def find_failed(quantities: Sequence[TableQuantity], values: Values, over_motion
     for part in quantities:
         if part.name in FACTS or part.name in OF_MOTIONS:
             continue
-        is_ended = choose_scenes(values["status"] != DONE, part, 1)
-        failed = failed | (is_ended if over_motions == EVERY else is_ended.any(axis=-1))
+        of_motions = choose_scenes(values["status"] != DONE, part, 1)
+        failed = failed | (of_motions if over_motions == EVERY else of_motions.any(axis=-1))
     return failed
 
 
@@ -225,7 +223,7 @@ def _evaluate_quantity(
     instants: FindAtInstant | None = None,
     error: np.ndarray | float = 0.0,
 ) -> np.ndarray:
-    """Return one quantity, off by an error.
+    """Return one quantity, off by an error [SI].
 
     A storey that a building does not have counts for nothing, nor does a wall that is not named; one whose number is
     missing makes the result NaN: what failed must not drop out of a mean.
@@ -237,7 +235,8 @@ def _evaluate_quantity(
         if instants is None:
             return np.full((1,) * values["status"].ndim, np.nan)[..., 0]
         of_motions = choose_scenes(instants(quantity), quantity, 1)
-        return of_motions if over_motions == EVERY else _reduce(over_motions, of_motions, _all(of_motions), (-1,))
+        exists = np.ones(of_motions.shape, bool)
+        return of_motions if over_motions == EVERY else _reduce(over_motions, of_motions, exists, (-1,))
     numbers = _find_values(name, values) + error
     count = _count_own_axes(quantity)
     if name in LINE:  # every storey has all lines of its building
@@ -273,10 +272,6 @@ def _count_own_axes(quantity: TableQuantity) -> int:
     """Return the number of axes of a variable behind that of the motions, without that of frame lines."""
     dims = VARIABLES[_name_variable(quantity.name)].dims
     return len([dim for dim in dims if dim not in (*SCENE_DIMS, "line")])
-
-
-def _all(numbers: np.ndarray) -> np.ndarray:
-    return np.ones(numbers.shape, bool)
 
 
 def _find_existing(quantity: TableQuantity, values: Values, numbers: np.ndarray) -> np.ndarray:
@@ -370,7 +365,7 @@ def find_scope(study: Study, whole: bool = False) -> Scope:
 def parse_all(
     parse: Callable[[str, Scope], Parsed], question: StudyQuestion, key: str, texts: Sequence[str]
 ) -> tuple[Parsed, ...]:
-    """Return the expressions or statements under a key of a question.  Note what is wrong with them.
+    """Return the expressions or comparisons under a key of a question.  Note what is wrong with them.
 
     parse : `parse_expression` or `parse_comparison`
     """

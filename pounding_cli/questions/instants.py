@@ -68,6 +68,8 @@ def find_instant(
         return instant.delay
     if instant.kind in ("largest", "smallest"):
         series = read_series(history, instant.quantity, quantity, times)
+        if np.isnan(series).any():  # the case has no such quantity
+            return np.nan
         if instant.end is not None:
             end = find_instant(history, quantity, instant.end, times, gaps)
             part = times >= end if instant.side == "after" else times <= end

@@ -116,9 +116,11 @@ class Comparison:
     def find_held(self, value: Value) -> np.ndarray:
         """Return 1 where the comparison holds, 0 where it does not, NaN where there is no value."""
         is_met: np.ndarray | bool = True
+        is_known: np.ndarray | bool = True
         for sign, step in zip(self.signs, self.find_steps(self.find_parts(value)), strict=True):
             is_met = is_met & (step >= 0 if sign.endswith("=") else step > 0)
-        return np.where(np.isnan(self.margin(value)), np.nan, is_met)
+            is_known = is_known & ~np.isnan(step)
+        return np.where(is_known, is_met, np.nan)
 
     def __str__(self) -> str:
         return self.text
@@ -204,12 +206,10 @@ def _put_place_before(behind: re.Match[str], written: str, sides: Sequence[str],
 
 CONTACT = "contact"
 COLLAPSE = "collapse"
-DRIFT_RATIO = "drift_ratio"
 DAMAGE_LIMITS = {f"{state} damage": state for state in DAMAGE_STATES}
 """Limits of buildings that are only seen: the drift at which a damage state of their type begins."""
 
 EDGE_DRIFT = "edge_drift"
-EDGE_DRIFT_RATIO = "edge_drift_ratio"
 TWIST = "twist"
 EVENTS = (CONTACT, COLLAPSE, *DAMAGE_LIMITS)
 """Limits without a value."""

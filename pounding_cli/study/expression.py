@@ -349,7 +349,6 @@ def _check_owner(name: str, instant: Instant | None, place: Places, reduction: s
 
     reduction : as written; "" of none
     """
-    written = place.role or place.level
     if instant is not None:
         has_building = any(each in _HISTORY_OF_BUILDINGS for each in (name, instant.quantity))
         has_level = any(each in _HISTORY_OF_LEVELS for each in (name, instant.quantity))
@@ -369,10 +368,10 @@ def _check_owner(name: str, instant: Instant | None, place: Places, reduction: s
         if reduction and not has_building and "link" not in dims:
             hint = f"write `{name}`; `over_motions:` tells what is taken over the motions"
             raise ExpressionError(f"{name} is one number of {owner}, without a {reduction} one", hint)
-    if not has_building and (place.building is not None or written):
+    if not has_building and (place.building is not None or place.role or place.level):
         raise ExpressionError(f"{name} belongs to {owner}, not to a building", f"leave the {_say_place(place)} out")
     if place.level and not has_level:
-        raise ExpressionError(f"{name} belongs to a building, not to a storey or floor", f"leave '{written}' out")
+        raise ExpressionError(f"{name} belongs to a building, not to a storey or floor", f"leave '{place.level}' out")
 
 
 def _say_place(place: Places) -> str:
@@ -474,7 +473,7 @@ def _take_place(places: Places, written: str, scope: Scope) -> None:
         kind = kinds[0]
         if written not in scope.names[kind]:
             raise ExpressionError(f"no {kind} '{written}' in the study", nearest(written, scope.names[kind]))
-        if getattr(places, kind) not in (None, "") or (kind == _KINDS[0] and places.role):
+        if getattr(places, kind) is not None or (kind == "building" and places.role):
             raise ExpressionError(f"'{written}' is a second {kind}", f"write one {kind}")
         place = scope.names[kind].index(written)
         setattr(places, kind, ABSENT if kind == "motion" and place >= len(scope.motions) else place)

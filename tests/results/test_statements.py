@@ -355,6 +355,13 @@ def test_an_instant_that_does_not_come_is_not_tested(folder):
     assert frame["outcome"].tolist() == [UNKNOWN]
 
 
+def test_a_case_without_links_has_no_instant_of_the_largest_closing(folder):
+    """It is not the start of the history."""
+    kept = KEPT | {"cases": KEPT["cases"] | {"apart": {"link": "none"}}}
+    frame = solve(folder, {"holds": "time [largest closing] < 1 ms"}, **kept).table("statements")
+    assert dict(zip(frame["case"], frame["outcome"], strict=True)) == {"near": FAILS}
+
+
 def test_the_error_of_a_number_at_an_instant_is_not_known(folder):
     """It is no 0, which would be that of a number without an error."""
     (row,) = solve(folder, {"holds": "time [contact 1] > 1 ms"}, **KEPT).table("statements").to_dict("records")
