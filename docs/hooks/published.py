@@ -2,8 +2,8 @@
 docs/published.md made of what becomes of their statements.
 
 `python docs/hooks/published.py [NAME ...]` runs studies and prints their rows; `--renew` puts them into the page and
-draws its figures. The build of the site makes every table anew. No number and no verdict stands here: they come from
-the table `statements` of the results.
+draws its figures; `--with OLD=>NEW` runs one with another choice. The build of the site makes every table anew. No
+number and no verdict stands here: they come from the table `statements` of the results.
 """
 
 from __future__ import annotations
@@ -60,6 +60,9 @@ CHECKED_OUT = {
 OVERVIEW_BEGIN = "<!-- overview: begin -->\n\n"
 OVERVIEW_END = "\n\n<!-- overview: end -->"
 HEAD = "| what | printed | ours | difference | verdict |\n|---|---|---|---|---|"
+IN_WORDS, IN_RANGE = "in words", "in the range"
+"""What stands for the printed number of a statement in words, and for the difference of one in the range of a sweep."""
+
 LIMITS = (0.1, 1.0, 5.0)
 """Differences that the overview counts by [%]."""
 
@@ -165,7 +168,7 @@ def _iter_cells(verdict: Verdict) -> Iterator[Cells]:
     if math.isnan(printed):
         worst = rows.loc[rows["margin"].idxmin()] if rows["margin"].notna().any() else rows.iloc[0]
         found = format_value(worst["number"], worst["unit"], worst["written_unit"])
-        yield Cells(what, "in words", f"{found}; to be {worst['bound']}", "", str(verdict))
+        yield Cells(what, IN_WORDS, f"{found}; to be {worst['bound']}", "", str(verdict))
         return
     as_printed = str(rows["comparison"].iloc[0]).rpartition(" = ")[2]
     if not len(known):
@@ -176,7 +179,7 @@ def _iter_cells(verdict: Verdict) -> Iterator[Cells]:
     ours = " to ".join(_write_alike(end, as_printed, digits, unit, written) for end in ends)
     nearest = float(numbers.loc[(numbers - printed).abs().idxmin()])
     is_between = len(ends) > 1 and ends[0] <= printed <= ends[1]
-    difference = "in the range" if is_between else _write_difference(nearest, printed)
+    difference = IN_RANGE if is_between else _write_difference(nearest, printed)
     yield Cells(what, as_printed, ours, difference, str(verdict))
 
 
@@ -218,25 +221,41 @@ def split_rows(table: str) -> list[Cells]:
 def find_percentage(cells: Cells) -> float | None:
     """Return the difference of a number in per cent, without its sign; None of a row without one."""
     match = re.fullmatch(r"[-+]([\d.]+) %", cells.difference)
-    return float(match[1]) if match else 0.0 if cells.difference == "in the range" else None
+    return float(match[1]) if match else None
+
+
+def is_number(cells: Cells) -> bool:
+    """Return whether a row is about a number that its source prints."""
+    return cells.printed != IN_WORDS
 
 
 def count_rows(rows: list[Cells]) -> list[str]:
-    """Return the cells of the overview for rows: numbers, how many agree within each limit and not; statements that
-    hold, hold partly and do not."""
-    found = [each for each in map(find_percentage, rows) if each is not None]
-    words = [row.verdict for row in rows if find_percentage(row) is None]
-    ends = (0.0, *LIMITS, math.inf)
-    counts = [sum(low < each <= high or each == low == 0.0 for each in found) for low, high in itertools.pairwise(ends)]
+    """Return the cells of the overview for rows: numbers, how many agree within each limit and not, how many lie in the
+    range of what is swept; statements in words that hold, hold partly and do not."""
+    numbers = [row for row in rows if is_number(row)]
+    found = [each for each in map(find_percentage, numbers) if each is not None]
+    words = [row.verdict for row in rows if not is_number(row)]
+    ends = (-math.inf, *LIMITS, math.inf)
+    counts = [sum(low < each <= high for each in found) for low, high in itertools.pairwise(ends)]
+    in_range = sum(row.difference == IN_RANGE for row in numbers)
     partly = sum(word.startswith(PARTLY) for word in words)
     held = sum(word.startswith(HOLDS) for word in words) - partly
-    cells = [len(found), *counts, held, partly, len(words) - held - partly]
+    cells = [len(numbers), *counts, in_range, held, partly, len(words) - held - partly]
     return [str(each) if each else "–" for each in cells]
 
 
 def format_overview(markdown: str) -> str:
     """Return the overview of a page: a row a kind of comparison."""
-    head = ["what is compared", "studies", "numbers printed", "within 0.1 %", "to 1 %", "to 5 %", "further"]
+    head = [
+        "what is compared",
+        "studies",
+        "numbers printed",
+        "within 0.1 %",
+        "to 1 %",
+        "to 5 %",
+        "further",
+        "in a swept range",
+    ]
     head += ["statements that hold", "partly", "do not"]
     lines = [f"| {' | '.join(head)} |", "|" + "---|" * len(head)]
     for kind, names in find_kinds(markdown).items():
@@ -269,7 +288,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Compare published results with ours.")
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"{', '.join(NAMES)}; all unless given")
     parser.add_argument("--renew", action="store_true", help="put the rows into docs/published.md and draw its figures")
+    parser.add_argument(
+        "--with", dest="edits", action="append", default=[], metavar="OLD=>NEW",
+        help="run with another text in the place of one of the study, e.g. 'friction: 2 %%=>friction: 3 %%'",
+    )  # fmt: skip
     options = parser.parse_args()
+    edits = tuple(tuple(edit.split("=>", 1)) for edit in options.edits)
+    if any(len(edit) != 2 for edit in edits) or (edits and (options.renew or len(options.names) != 1)):
+        parser.error("--with takes OLD=>NEW, one study and no --renew")
     if unknown := set(options.names) - set(NAMES):
         parser.error(f"there is no study {', '.join(sorted(unknown))}; there are {', '.join(NAMES)}")
     for name in options.names or NAMES:
@@ -277,7 +303,7 @@ def main() -> None:
             print(f"## {name}\n\nneeds a motion of {', '.join(missing)}\n")
             continue
         with tempfile.TemporaryDirectory(prefix="published-") as folder:
-            results = solve_study(name, Path(folder))
+            results = solve_study(name, Path(folder), edits)
             table = format_rows(find_verdicts(results))
             if options.renew:
                 draw_figure(name, results)

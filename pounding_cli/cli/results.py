@@ -284,7 +284,7 @@ def report(
         for path, reason in without_sweep.items():
             click.echo(f"{path}: {reason}, so {choices[0]} does not apply to it", err=True)
     if len(opened) > 1:
-        from pounding_cli.questions.comparison import write_comparison
+        from pounding_cli.questions.side_by_side import write_comparison
 
         named = {folder.name: results for folder, results in opened}
         page, *_ = write_comparison(named, reports, output or Path("comparison"))

@@ -10,7 +10,7 @@ import numpy as np
 from pounding_cli.questions.question import StudyQuestion
 from pounding_cli.records import load_catalogue
 from pounding_cli.solver.response import DONE
-from pounding_cli.study.comparison import TWIST, Comparison
+from pounding_cli.study.comparison import Comparison
 from pounding_cli.study.expression import (
     ABSENT,
     FACTS,
@@ -31,6 +31,7 @@ from pounding_cli.study.expression import (
     Value,
 )
 from pounding_cli.study.group import unique_names
+from pounding_cli.study.limits import TWIST
 from pounding_cli.variables import LINE_RATIO_VARIABLES, RATIO_VARIABLES, SCENE_DIMS, VARIABLES
 
 if TYPE_CHECKING:

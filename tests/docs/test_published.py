@@ -14,7 +14,7 @@ from pages import ROOT, hook
 
 import pounding_cli
 from pounding_cli.errors import InputError
-from pounding_cli.questions.statements import FAILS, HOLDS, list_verdicts
+from pounding_cli.questions.statements import FAILS, HOLDS, PARTLY, UNKNOWN, list_verdicts
 
 PUBLISHED = hook("published")
 SOON = ("eccentric-blow", "sliding-block", "moat-wall")
@@ -60,7 +60,7 @@ def test_the_readme_counts_the_kinds():
     said = " ".join(re.search(r"\*\*Published results come out\.\*\*(.+?)\n\n", readme, re.DOTALL)[1].split())
     for kind, names in PUBLISHED.find_kinds(text).items():
         rows = [row for name in names for row in PUBLISHED.split_rows(read_table(name))]
-        numbers = sum(PUBLISHED.find_percentage(row) is not None for row in rows)
+        numbers = sum(map(PUBLISHED.is_number, rows))
         counted = re.search(rf"{re.escape(kind[0].lower() + kind[1:])} \((\d+) studies, (\d+) numbers\)", said)
         assert counted is not None, kind
         assert (int(counted[1]), int(counted[2])) == (len(names), numbers), kind
@@ -143,21 +143,17 @@ def test_the_cells_of_a_row(frame, cells):
 
 
 @pytest.mark.parametrize(
-    ("differences", "verdicts", "counts"),
+    ("differences", "printed", "verdicts", "counts"),
     [
-        (
-            ["-0.09 %", "+0.10 %", "+0.39 %", "-4.90 %", "+20.00 %"],
-            [HOLDS] * 5,
-            ["5", "2", "1", "1", "1", "–", "–", "–"],
-        ),
-        (["in the range"], [FAILS], ["1", "1", "–", "–", "–", "–", "–", "–"]),
-        (["", "", ""], [HOLDS, f"{HOLDS} partly (1 of 2)", FAILS], ["–", "–", "–", "–", "–", "1", "1", "1"]),
+        (["+0.00 %", "-0.10 %", "+0.39 %", "-4.90 %", "+20.00 %"], "1", [HOLDS] * 5, "5 2 1 1 1 – – – –"),
+        (["in the range", ""], "1", [FAILS, UNKNOWN], "2 – – – – 1 – – –"),
+        (["", "", ""], "in words", [HOLDS, f"{PARTLY} (1 of 2)", FAILS], "– – – – – – 1 1 1"),
     ],
 )
-def test_the_counts_of_the_overview(differences, verdicts, counts):
+def test_the_counts_of_the_overview(differences, printed, verdicts, counts):
     pairs = zip(differences, verdicts, strict=True)
-    rows = [PUBLISHED.Cells("x", "1", "1", difference, verdict) for difference, verdict in pairs]
-    assert PUBLISHED.count_rows(rows) == counts
+    rows = [PUBLISHED.Cells("x", printed, "1", difference, verdict) for difference, verdict in pairs]
+    assert PUBLISHED.count_rows(rows) == counts.split()
 
 
 def test_a_study_says_where_its_motions_come_from(monkeypatch, tmp_path):

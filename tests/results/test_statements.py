@@ -11,8 +11,8 @@ import pytest
 
 import pounding_cli as pound
 from pounding_cli.errors import InputError
-from pounding_cli.questions.comparison import collect_statements, compare_statements
 from pounding_cli.questions.sensitivity.question import Sensitivity
+from pounding_cli.questions.side_by_side import collect_statements, compare_statements
 from pounding_cli.questions.statements import (
     ERROR,
     FAILS,

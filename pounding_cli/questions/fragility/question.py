@@ -20,7 +20,7 @@ from pounding_cli.questions.neighbours import build_neighbour_axis, list_drawn
 from pounding_cli.questions.question import Answer, StudyQuestion
 from pounding_cli.questions.specs import Measure
 from pounding_cli.study import Plan, Study, make_plan
-from pounding_cli.study.comparison import LIMITS_OF_PAIRS, Target
+from pounding_cli.study.limits import LIMITS_OF_PAIRS, Target
 from pounding_cli.study.records_spec import INTENSITY_KEYS
 from pounding_cli.study.swept import Point
 
