@@ -247,7 +247,8 @@ def build_statement_table(
             rows.append(row)
     keys = [name for axis in plan.axes for name in axis.names]
     frame = pd.DataFrame(rows, columns=[*keys, *(column.name for column in STATEMENT_COLUMNS)])
-    return build_table(STATEMENTS, frame, [*list_swept_columns(plan.axes), *STATEMENT_COLUMNS])
+    columns = [*list_swept_columns(plan.axes), *STATEMENT_COLUMNS]
+    return build_table(STATEMENTS, frame, columns, caption="Comparisons of the statements")
 
 
 def judge(tested: EvaluatedComparison, at: tuple[int, ...]) -> dict[str, Any]:
