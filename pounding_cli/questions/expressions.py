@@ -10,7 +10,7 @@ import numpy as np
 from pounding_cli.questions.question import StudyQuestion
 from pounding_cli.records import load_catalogue
 from pounding_cli.solver.response import DONE
-from pounding_cli.study.comparison import Comparison
+from pounding_cli.study.comparison import Compared, Comparison
 from pounding_cli.study.expression import (
     ABSENT,
     FACTS,
@@ -103,21 +103,11 @@ def evaluate_expression(
     return np.where(np.isfinite(results), results, np.nan)
 
 
-def find_margin(
+def compare_values(
     comparison: Comparison, values: Values, over_motions: str, instants: FindAtInstant | None = None
-) -> np.ndarray:  # fmt: skip
-    """Return by how much a comparison is met, below 0 where it is missed; NaN where it is not known.
-
-    Arguments and shape as those of `evaluate_expression`.
-    """
-    return comparison.margin(lambda quantity: _evaluate_quantity(quantity, values, over_motions, instants))
-
-
-def find_held(
-    comparison: Comparison, values: Values, over_motions: str, instants: FindAtInstant | None = None
-) -> np.ndarray:  # fmt: skip
-    """Return 1 where a comparison holds, 0 where it does not, NaN where that is not known; as `find_margin`."""
-    return comparison.find_held(lambda quantity: _evaluate_quantity(quantity, values, over_motions, instants))
+) -> Compared:  # fmt: skip
+    """Return what becomes of a comparison; arguments and shapes as those of `evaluate_expression`."""
+    return comparison.compare(lambda quantity: _evaluate_quantity(quantity, values, over_motions, instants))
 
 
 def find_failed(quantities: Sequence[TableQuantity], values: Values, over_motions: str) -> np.ndarray:
@@ -130,13 +120,6 @@ def find_failed(quantities: Sequence[TableQuantity], values: Values, over_motion
         of_motions = choose_scenes(values["status"] != DONE, part, 1)
         failed = failed | (of_motions if over_motions == EVERY else of_motions.any(axis=-1))
     return failed
-
-
-def evaluate_parts(
-    comparison: Comparison, values: Values, over_motions: str, instants: FindAtInstant | None = None
-) -> list[np.ndarray]:  # fmt: skip
-    """Return the values of the parts of a comparison; arguments and shapes as those of `evaluate_expression`."""
-    return comparison.find_parts(lambda quantity: _evaluate_quantity(quantity, values, over_motions, instants))
 
 
 def evaluate_error(expression: Expression, values: Values, over_motions: str) -> np.ndarray:

@@ -16,10 +16,8 @@ from pounding_cli.questions.expressions import (
     FindAtInstant,
     Values,
     collect_values,
-    evaluate_parts,
+    compare_values,
     find_failed,
-    find_held,
-    find_margin,
     find_missing_places,
     find_scope,
     find_spread,
@@ -191,14 +189,14 @@ def iter_evaluated(
     """Yield every comparison of statements with its numbers."""
     for statement, comparison in iter_comparisons(statements):
         over = statement.over_motions
-        arrays = [
-            find_held(comparison, values, over, instants),
-            find_failed(comparison.quantities, values, over),
-            find_margin(comparison, values, over, instants),
-            find_spread(comparison.quantities, comparison.margin, values, over, "error", instants),
-            SMALL_CHANGE * find_spread(comparison.quantities, comparison.margin, values, over, "sensitivity", instants),
-            *evaluate_parts(comparison, values, over, instants),
-        ]
+        compared = compare_values(comparison, values, over, instants)
+
+        error, sensitivity = (
+            find_spread(comparison.quantities, comparison.margin, values, over, kind, instants)
+            for kind in ("error", "sensitivity")
+        )
+        failed = find_failed(comparison.quantities, values, over)
+        arrays = [compared.held, failed, compared.margin, error, SMALL_CHANGE * sensitivity, *compared.parts]
         if over != EVERY:
             arrays = [each[..., None] if each.ndim else each for each in arrays]
         held, failed, margin, error, sensitivity, *parts = np.broadcast_arrays(*arrays)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from pydantic_core import PydanticCustomError
@@ -38,6 +39,19 @@ _BEHIND = re.compile(r"(?P<value>.*\S)\s+in\s+(?P<place>\S.*)")
 """A value with a place behind it, as limits have it."""
 _NAMES = re.compile(r"[^\W\d]\w*")
 _VALUES = {"": "4", "m": "2 cm", "m/s2": "1 g", "N": "500 kN", "s": "0.1 s", "N s": "20 kN s", "rad": "0.01 rad"}
+
+
+class Compared(NamedTuple):
+    """What becomes of a comparison.
+
+    parts : values of its parts [SI]
+    margin : by how much it is met, below 0 where it is missed; NaN where a part has no value [SI]
+    held : 1 where it holds, 0 where it does not, NaN where that is not known
+    """
+
+    parts: list[np.ndarray]
+    margin: np.ndarray
+    held: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -96,21 +110,20 @@ class Comparison:
             steps.append(np.where(is_rounding, 0.0, step))
         return steps
 
-    def margin(self, value: Value) -> np.ndarray:
-        """Return by how much the comparison is met, below 0 where it is missed; NaN where there is no value [SI]."""
-        first, *others = self.find_steps(self.find_parts(value))
-        for step in others:
-            first = np.minimum(first, step)  # NaN stays NaN
-        return np.asarray(first)
-
-    def find_held(self, value: Value) -> np.ndarray:
-        """Return 1 where the comparison holds, 0 where it does not, NaN where there is no value."""
+    def compare(self, value: Value) -> Compared:
+        """Return what becomes of the comparison with the values of its quantities."""
+        parts = self.find_parts(value)
+        steps = self.find_steps(parts)
+        margin = steps[0]
         is_met: np.ndarray | bool = True
-        is_known: np.ndarray | bool = True
-        for sign, step in zip(self.signs, self.find_steps(self.find_parts(value)), strict=True):
+        for sign, step in zip(self.signs, steps, strict=True):
+            margin = np.minimum(margin, step)  # NaN stays NaN
             is_met = is_met & (step >= 0 if sign.endswith("=") else step > 0)
-            is_known = is_known & ~np.isnan(step)
-        return np.where(is_known, is_met, np.nan)
+        return Compared(parts, np.asarray(margin), np.where(np.isnan(margin), np.nan, is_met))
+
+    def margin(self, value: Value) -> np.ndarray:
+        """Return by how much it is met with the values of its quantities [SI]; see `Compared`."""
+        return self.compare(value).margin
 
     def __str__(self) -> str:
         return self.text

@@ -17,10 +17,9 @@ from pounding_cli.questions.expression_words import depends_on_contact, find_str
 from pounding_cli.questions.expressions import (
     Values,
     collect_values,
+    compare_values,
     evaluate_error,
     evaluate_expression,
-    find_held,
-    find_margin,
     find_scope,
     parse_all,
 )
@@ -282,8 +281,7 @@ def _find_excess(required: Sequence[Comparison], values: Values) -> np.ndarray:
     total = np.zeros(values["status"].shape[1])
     for statement in required:
         over_motions = "smallest" if statement.bounds_below else "largest"
-        margin = find_margin(statement, values, over_motions)
-        held = find_held(statement, values, over_motions)
+        _, margin, held = compare_values(statement, values, over_motions)
         missed = np.where(held == 1, 0.0, np.maximum(-margin / statement.scale, np.finfo(float).eps))
         total = total + np.where(np.isnan(margin), np.nan, missed).max(axis=0)
     return total

@@ -15,8 +15,8 @@ from pounding_cli.questions.expression_words import depends_on_contact, find_str
 from pounding_cli.questions.expressions import (
     Values,
     collect_values,
+    compare_values,
     evaluate_expression,
-    find_held,
     name_variables,
     parse_all,
 )
@@ -271,7 +271,7 @@ def _iter_series(
     for one in asked:
         over_motions = question.spec.over_motions
         if isinstance(one, Comparison):
-            of_samples, unit = find_held(one, values, over_motions), ""
+            of_samples, unit = compare_values(one, values, over_motions).held, ""
         else:
             of_samples, unit = evaluate_expression(one, values, over_motions), one.unit
         series.append((one, np.moveaxis(np.broadcast_to(of_samples, shape), samples_axis, -1), unit))
