@@ -539,3 +539,14 @@ def test_a_motion_of_the_catalogue_that_the_study_does_not_use_is_not_tested(fol
     assert [row["outcome"] for row in verdict.rows] == [HOLDS, UNKNOWN]
     with pytest.raises(InputError, match="no building, case, analysis or motion 'parkfeld' in the study"):
         solve(folder, {"holds": "scale in parkfeld > 0"})
+
+
+def test_verdicts_fit_a_terminal_of_80_columns(folder):
+    """As one table, in which every statement stands beside its verdict."""
+    names = ("a-name-of-twenty-six-chars", "b")
+    holds = [f"drift in {case} elastic stiff < 1 mm" for case in ("touching", "near")]
+    statements = [{"name": name, "holds": holds, "over_motions": "each"} for name in names]
+    lines = view_verdicts(solve(folder, *statements, estimate="none")).to_text(80).splitlines()
+    assert max(map(len, lines)) <= 80
+    for name in names:
+        assert any(name in line and FAILS in line for line in lines), name
