@@ -32,7 +32,7 @@ from pounding_cli.study.expression import (
 )
 from pounding_cli.study.group import unique_names
 from pounding_cli.study.limits import TWIST
-from pounding_cli.variables import LINE_RATIO_VARIABLES, RATIO_VARIABLES, SCENE_DIMS, VARIABLES
+from pounding_cli.variables import LINE_RATIO_VARIABLES, NO_DIFFERENCE, RATIO_VARIABLES, SCENE_DIMS, VARIABLES
 
 if TYPE_CHECKING:
     from pounding_cli.results.arrays import ResultArrays
@@ -157,12 +157,20 @@ def find_spread(
     for part in quantities:
         if part.instant is None and part.name in (*FACTS, *OF_MOTIONS):
             continue
+        if part.instant is None and kind == "error" and is_count(part.name):
+            continue
         if part.instant is not None or (kind == "sensitivity" and part.name in NO_PEAKS):
             total = total * np.nan
             continue
         error = _find_error(part.name, values, kind)
         total = total + np.abs(evaluate_with(part, error) - evaluate_with(part, -error)) / 2
     return total
+
+
+def is_count(name: str) -> bool:
+    """Return whether a variable counts something, contacts or events: it has no numerical error by shares."""
+    variable = VARIABLES[_name_variable(name)]
+    return variable.kind == "i" or variable.difference_scale == NO_DIFFERENCE
 
 
 def _find_values(name: str, values: Values) -> np.ndarray:

@@ -550,3 +550,11 @@ def test_verdicts_fit_a_terminal_of_80_columns(folder):
     assert max(map(len, lines)) <= 80
     for name in names:
         assert any(name in line and FAILS in line for line in lines), name
+
+
+def test_a_count_has_no_error_by_shares(folder):
+    """A number of contacts that is the bound itself decides, though every peak has a numerical error."""
+    where = "in touching elastic elcentro [impact.restitution = 0.6]"
+    (row,) = solve(folder, {"holds": f"impacts {where} > 0"}).table("statements").to_dict("records")
+    (same,) = solve(folder, {"holds": f"impacts {where} >= {row['number']:.0f}"}).table("statements").to_dict("records")
+    assert (same["outcome"], same["error"], same["margin"]) == (HOLDS, 0.0, 0.0)
