@@ -221,11 +221,10 @@ def _evaluate_quantity(
     missing makes the result NaN: what failed must not drop out of a mean.
     """
     name = quantity.name
-    if quantity.motion == ABSENT:
+    if quantity.motion == ABSENT or (quantity.instant is not None and instants is None):
         return np.full((1,) * (values["status"].ndim - (over_motions != EVERY)), np.nan)
     if quantity.instant is not None:
-        if instants is None:
-            return np.full((1,) * values["status"].ndim, np.nan)[..., 0]
+        assert instants is not None
         of_motions = choose_scenes(instants(quantity), quantity, 1)
         exists = np.ones(of_motions.shape, bool)
         return of_motions if over_motions == EVERY else _reduce(over_motions, of_motions, exists, (-1,))

@@ -260,10 +260,7 @@ def judge(tested: EvaluatedComparison, at: tuple[int, ...]) -> dict[str, Any]:
     place = (*at, worst)
     margin, error, sensitivity = (float(each[place]) for each in (tested.margin, tested.error, tested.sensitivity))
     number, bound = _tell_step(tested.comparison, [float(each[place]) for each in tested.parts])
-    outcome = UNKNOWN if not is_known.all() else HOLDS if held[worst] == 1 else FAILS
-    turns = SENSITIVITY if sensitivity > 0 and abs(margin) <= sensitivity else ""
-    if error > 0 and abs(margin) <= error:
-        outcome, turns = (UNDECIDED if outcome != UNKNOWN else UNKNOWN), ERROR
+    outcome, turns = _decide(margins, held, tested.error[at], tested.sensitivity[at])
     statement = tested.statement
     return {
         "statement": statement.name,
@@ -282,8 +279,30 @@ def judge(tested: EvaluatedComparison, at: tuple[int, ...]) -> dict[str, Any]:
         "met": int((held == 1).sum()),
         "motions": int(is_counted.sum()),
         "outcome": outcome,
-        "turns": turns if is_known.all() else "",
+        "turns": turns,
     }
+
+
+def _decide(
+    margins: np.ndarray, held: np.ndarray, errors: np.ndarray, sensitivities: np.ndarray
+) -> tuple[str, str]:  # fmt: skip
+    """Return the outcome of a comparison under some motions, all of which must meet it, and what may turn it.
+
+    It is unknown where a run failed; it fails where one motion misses it by more than the numerical error,
+    however close another one comes to its limit.
+
+    Shapes (motions,).
+    """
+    if np.isnan(margins).any():
+        return UNKNOWN, ""
+    is_open = (errors > 0) & (np.abs(margins) <= errors)
+    is_missed = (held == 0) & ~is_open
+    may_turn = (sensitivities > 0) & (np.abs(margins) <= sensitivities)
+    if is_missed.any():
+        return FAILS, SENSITIVITY if may_turn[is_missed].all() else ""
+    if is_open.any():
+        return UNDECIDED, ERROR
+    return HOLDS, SENSITIVITY if may_turn.any() else ""
 
 
 def _tell_step(comparison: Comparison, parts: Sequence[float]) -> tuple[float, str]:

@@ -558,3 +558,28 @@ def test_a_count_has_no_error_by_shares(folder):
     (row,) = solve(folder, {"holds": f"impacts {where} > 0"}).table("statements").to_dict("records")
     (same,) = solve(folder, {"holds": f"impacts {where} >= {row['number']:.0f}"}).table("statements").to_dict("records")
     assert (same["outcome"], same["error"], same["margin"]) == (HOLDS, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("margins", "errors", "sensitivities", "outcome", "turns"),
+    [
+        ([1.0, 2.0], [0.1, 0.1], [0.5, 0.5], HOLDS, ""),
+        ([1.0, 2.0], [0.1, 3.0], [0.5, 0.5], UNDECIDED, ERROR),  # not that of the smallest margin
+        ([1.0, 2.0], [0.1, 0.1], [0.5, 3.0], HOLDS, SENSITIVITY),
+        ([-1.0, 2.0], [0.1, 3.0], [0.5, 0.5], FAILS, ""),  # one motion misses it, whatever the other does
+        ([-1.0, -2.0], [0.1, 0.1], [3.0, 0.5], FAILS, ""),
+        ([-1.0, -2.0], [0.1, 0.1], [3.0, 3.0], FAILS, SENSITIVITY),
+        ([-1.0, 2.0], [3.0, 0.1], [0.5, 0.5], UNDECIDED, ERROR),
+        ([1.0, 2.0], [np.nan, np.nan], [np.nan, np.nan], HOLDS, ""),
+        ([1.0, np.nan], [0.1, 0.1], [0.5, 0.5], UNKNOWN, ""),
+    ],
+)
+def test_what_several_motions_decide(margins, errors, sensitivities, outcome, turns):
+    comparison = parse_comparison("mu > 4", SCOPE)
+    statement = Statement("a", "it yields", "", "", (comparison,), None, "each")
+    found, error, sensitivity = map(np.array, (margins, errors, sensitivities))
+    held = np.where(np.isnan(found), np.nan, found > 0)
+    parts = (found + 4, np.full(2, 4.0))
+    failed = np.isnan(found)
+    row = judge(EvaluatedComparison(statement, comparison, parts, held, failed, found, error, sensitivity), ())
+    assert (row["outcome"], row["turns"]) == (outcome, turns)
