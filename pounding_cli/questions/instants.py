@@ -92,10 +92,14 @@ def find_crossings(
     if gaps is None or not gaps.size:
         return np.array([])
     depths = history["closing"].values.astype(float) - gaps  # NaN of links that the case does not have
-    depth = np.where(np.isnan(depths), -np.inf, depths).max(axis=1)
-    values = depth if instant.kind == "contact" else -depth
-    before = np.flatnonzero((values[:-1] < 0) & (values[1:] >= 0))
-    part = values[before] / (values[before] - values[before + 1])
+    is_contact = instant.kind == "contact"
+    is_closed = depths >= 0 if is_contact else depths > 0
+    is_any = is_closed.any(axis=1)
+    before = np.flatnonzero(~is_any[:-1] & is_any[1:] if is_contact else is_any[:-1] & ~is_any[1:])
+    crosses = is_closed[before + 1] if is_contact else is_closed[before]
+    left, change = depths[before], depths[before + 1] - depths[before]
+    part = np.divide(-left, change, out=np.full(left.shape, np.nan), where=crosses)
+    part = np.nanmin(part, axis=1) if is_contact else np.nanmax(part, axis=1)
     return np.asarray(times[before] + part * np.diff(times)[before])
 
 

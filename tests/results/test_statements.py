@@ -552,6 +552,15 @@ def test_verdicts_fit_a_terminal_of_80_columns(folder):
         assert any(name in line and FAILS in line for line in lines), name
 
 
+def test_the_number_shown_is_that_of_the_smallest_margin(folder):
+    """Of an upper limit that is the largest."""
+    results = solve(folder, {"holds": "drift in stiff < 1 m"}, estimate="none")
+    frame = results.table("statements")
+    ((_, number, *_),) = view_verdicts(results).cells()
+    assert number == format_value(frame["number"].max(), "m", "m")
+    assert frame["number"].max() > frame["number"].min()
+
+
 def test_a_count_has_no_error_by_shares(folder):
     """A number of contacts that is the bound itself decides, though every peak has a numerical error."""
     where = "in touching elastic elcentro [impact.restitution = 0.6]"
