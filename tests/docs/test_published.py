@@ -41,6 +41,21 @@ def read_table(name: str) -> str:
     return PUBLISHED.split_page(PUBLISHED.PAGE.read_text(encoding="utf-8"), name)[1]
 
 
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["sliding-blok"], "there is no study sliding-blok; there are "),
+        (["sliding-block", "--with", "2 %"], "--with takes OLD=>NEW, one study and no --renew"),
+        (["sliding-block", "--with", "2 %=>3 %", "--renew"], "--with takes OLD=>NEW, one study and no --renew"),
+    ],
+)
+def test_a_call_that_is_not_understood_is_told_so(monkeypatch, capsys, arguments, message):
+    monkeypatch.setattr("sys.argv", ["published.py", *arguments])
+    with pytest.raises(SystemExit):
+        PUBLISHED.main()
+    assert message in " ".join(capsys.readouterr().err.split())
+
+
 def test_every_study_has_a_table_on_the_page():
     assert {path.stem for path in PUBLISHED.STUDIES.glob("*.yaml")} <= set(PUBLISHED.NAMES)
     for name in PUBLISHED.NAMES:

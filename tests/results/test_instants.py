@@ -69,6 +69,17 @@ def unit(text: str) -> str:
     return "1 s" if text.startswith("time") else "1 m/s"
 
 
+def test_links_that_meet_and_part_between_the_same_samples():
+    """The first one to meet tells when, and the last one to part, which is the same of the reversed history."""
+    gaps = np.array([0.5, 0.4, 1.0])  # met at 0.5 s and at 0.8 s
+    backwards = ResultArrays(
+        {"closing": Array(("time", "link"), CLOSING[::-1], {})}, {"time": Array(("time",), TIMES, {})}, {}
+    )
+    for history, text, expected in ((HISTORY, "time [contact 1]", 0.5), (backwards, "time [release -1]", 5.5)):
+        (quantity,) = parse_comparison(f"{text} > 1 s", SCOPE).quantities
+        assert find_at_instant(history, quantity, gaps) == pytest.approx(expected, rel=1e-12)
+
+
 def test_a_row_has_the_number_of_its_own_history_and_gap():
     (quantity,) = parse_comparison("time [contact 1] > 1 s", SCOPE).quantities
     gaps = np.stack([GAPS, np.full(3, 3.5)])[:, None]  # shape (points of the sweep, cases, links)
