@@ -36,8 +36,8 @@ from pounding_cli.solver import estimate as estimates
 from pounding_cli.solver import response as response
 from pounding_cli.solver import solve as solver
 from pounding_cli.study import make_plan
-from pounding_cli.study.expression import Scope as Scope
-from pounding_cli.study.limits import parse_limit as parse_limit
+from pounding_cli.study.expressions.expression import Scope as Scope
+from pounding_cli.study.expressions.limits import parse_limit as parse_limit
 
 
 def is_wall(building: Building) -> bool:

@@ -68,7 +68,7 @@ NEEDED = {
     "wheel": (
         "pounding_cli/py.typed",
         "pounding_cli/data/records/catalogue.yaml",
-        "pounding_cli/study/templates/pair.yaml",
+        "pounding_cli/study/text/templates/pair.yaml",
         "pounding_cli/report/assets/page.html.j2",
     ),
     "sdist": (

@@ -9,9 +9,9 @@ from typing import Any, get_args, get_origin
 from pydantic import BaseModel, Field, create_model
 
 from pounding_cli.laws import link_laws
-from pounding_cli.study.link_specs import SHARED_KEYS, LinkSpec, SeveralLinks, law_fields
-from pounding_cli.study.quantity import ValueParser
-from pounding_cli.study.words import fields_of, leaf_types
+from pounding_cli.study.schema.links import SHARED_KEYS, LinkSpec, SeveralLinks, law_fields
+from pounding_cli.study.schema.lookup import fields_of, leaf_types
+from pounding_cli.study.schema.quantity import ValueParser
 
 _LINK_KEYS: Any = {**SHARED_KEYS, **law_fields(link_laws())}
 _AllLinks = create_model("_AllLinks", __base__=LinkSpec, **_LINK_KEYS)

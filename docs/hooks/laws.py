@@ -21,9 +21,9 @@ from pounding_cli.laws.law import LinkLaw
 from pounding_cli.laws.storey import StoreyLaw
 from pounding_cli.report.references import REFERENCES
 from pounding_cli.report.style import RC
-from pounding_cli.study.building_spec import BuildingSpec
-from pounding_cli.study.link_specs import link_keys, link_models, needs_key, own_parameters
-from pounding_cli.study.words import fields_of
+from pounding_cli.study.schema.building import BuildingSpec
+from pounding_cli.study.schema.links import link_keys, link_models, needs_key, own_parameters
+from pounding_cli.study.schema.lookup import fields_of
 
 
 def _module(path: Path) -> Any:

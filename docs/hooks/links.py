@@ -9,8 +9,8 @@ from typing import Any
 SITE_PAGES = {
     "../pounding_cli/laws": "laws/index.md",
     "../pounding_cli/methods.py": "reference/methods.md",
-    "../pounding_cli/study/schema.py": "reference/keys.md",
-    "../pounding_cli/study/quantity.py": "reference/keys.md#plausible-values",
+    "../pounding_cli/study/schema/study.py": "reference/keys.md",
+    "../pounding_cli/study/schema/quantity.py": "reference/keys.md#plausible-values",
     "../pounding_cli/cli": "reference/commands.md",
     "../pounding_cli/__init__.py": "reference/api.md",
     "gallery": "gallery/index.md",

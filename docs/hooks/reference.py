@@ -15,9 +15,12 @@ from pounding_cli.methods import METHODS
 from pounding_cli.questions import load_questions, study_model
 from pounding_cli.questions.gap.spec import Gb50011Spec, NtcSpec
 from pounding_cli.report.references import list_method_sources
-from pounding_cli.study import building_spec, link_specs, records_spec, schema
-from pounding_cli.study.quantity import PLAUSIBLE_RANGES
-from pounding_cli.study.warnings import format_value
+from pounding_cli.study.check.warnings import format_value
+from pounding_cli.study.schema import building as building_spec
+from pounding_cli.study.schema import links as link_specs
+from pounding_cli.study.schema import records as records_spec
+from pounding_cli.study.schema import study as schema
+from pounding_cli.study.schema.quantity import PLAUSIBLE_RANGES
 
 ROOT = Path(__file__).parents[2]
 _spec = importlib.util.spec_from_file_location("keys", Path(__file__).with_name("keys.py"))

@@ -18,7 +18,7 @@ from pounding_cli.errors import InputError
 from pounding_cli.numbers import count_histories, join_limited
 from pounding_cli.results.changes import ABSENT, EarlierStudy, KeyChange, iter_key_changes
 from pounding_cli.results.responses import solution_key
-from pounding_cli.study.file import Map, parse, with_value, without_value
+from pounding_cli.study.text.file import Map, parse, with_value, without_value
 
 if TYPE_CHECKING:
     from pounding_cli.batch.cache import Cache

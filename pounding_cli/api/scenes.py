@@ -17,7 +17,7 @@ from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.study.data import building_of, by_place, links_between, quantity
-from pounding_cli.study.quantity import ACCELERATION, TIME, Quantity
+from pounding_cli.study.schema.quantity import ACCELERATION, TIME, Quantity
 
 if TYPE_CHECKING:
     from pounding_cli.results.histories import History

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from pounding_cli.api.results import Results
     from pounding_cli.batch.progress import Progress
     from pounding_cli.study import Study
-    from pounding_cli.study.changes import Change
+    from pounding_cli.study.vary.changes import Change
 
 
 def load_study(
@@ -110,6 +110,6 @@ def default_output(study: Path, workflow: str = "run", changes: Sequence[Change]
 
 def format_stem(study: Path, question: str = "", changes: Sequence[Change] = ()) -> str:
     """Return the name of the results of a study without its ending: `two-gap-cases.near.gap=4-cm`."""
-    from pounding_cli.study.changes import name_changes
+    from pounding_cli.study.vary.changes import name_changes
 
     return "-".join(filter(None, (study.stem, question, name_changes(changes))))

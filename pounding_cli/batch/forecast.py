@@ -15,7 +15,7 @@ from pounding_cli.solver.layout import build_layout
 
 if TYPE_CHECKING:
     from pounding_cli.model.scene import Scene
-    from pounding_cli.study.plan import Plan
+    from pounding_cli.study.run_plan import Plan
 
 MAX_VIEWED_SCENES = 2000
 """Largest number of time histories whose effects are looked at; each of them stands for as many as there are more."""

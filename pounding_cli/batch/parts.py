@@ -18,7 +18,7 @@ from pounding_cli.solver.response import OUTCOMES, Response
 
 if TYPE_CHECKING:
     from pounding_cli.batch.cache import Cache
-    from pounding_cli.study.plan import Plan
+    from pounding_cli.study.run_plan import Plan
 
 
 def list_parts(plan: Plan) -> list[bytes]:

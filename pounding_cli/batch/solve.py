@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from pounding_cli.batch.attempt import Attempt, GroupResult, Task
     from pounding_cli.batch.parts import SceneList
     from pounding_cli.results.arrays import ResultArrays
-    from pounding_cli.study.plan import Plan
+    from pounding_cli.study.run_plan import Plan
 
 GROUP_SECONDS = 0.2
 """Work [s] that a worker gets at a time, about: what is lost by a kill, and what Ctrl-C waits for."""

@@ -13,7 +13,7 @@ from pounding_cli.cli.options import FILE, seconds, study_argument
 from pounding_cli.numbers import pluralize
 
 if TYPE_CHECKING:
-    from pounding_cli.study.changes import Change
+    from pounding_cli.study.vary.changes import Change
 
 
 def _split_names(ctx: click.Context, param: click.Parameter, text: str) -> list[str]:

@@ -25,7 +25,7 @@ def _parse_length(ctx: click.Context, param: click.Parameter, text: str | None) 
         return None
     from pydantic_core import PydanticCustomError
 
-    from pounding_cli.study.quantity import LENGTH
+    from pounding_cli.study.schema.quantity import LENGTH
 
     try:
         return float(LENGTH.read(text))

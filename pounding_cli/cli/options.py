@@ -13,7 +13,7 @@ from pounding_cli.errors import InputError, Problem
 
 if TYPE_CHECKING:
     from pounding_cli.api.results import Results
-    from pounding_cli.study.changes import Change
+    from pounding_cli.study.vary.changes import Change
 
 Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
 
@@ -27,7 +27,7 @@ def _parse_changes(ctx: click.Context, param: click.Parameter, arguments: tuple[
     """Return the changes of a study that arguments make.  Raises `InputError`."""
     if not arguments:
         return ()
-    from pounding_cli.study.changes import parse_changes
+    from pounding_cli.study.vary.changes import parse_changes
 
     return parse_changes(arguments)
 
@@ -63,7 +63,7 @@ def seconds(text: str) -> float:
     """A time as a study writes it, in s: the type of an option."""
     from pydantic_core import PydanticCustomError
 
-    from pounding_cli.study.quantity import TIME
+    from pounding_cli.study.schema.quantity import TIME
 
     try:
         return float(TIME.read(text))

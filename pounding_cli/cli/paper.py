@@ -12,7 +12,7 @@ import click
 from pounding_cli.cli.options import CHANGES_HELP, output_option, print_failures, quiet_option, study_argument
 
 if TYPE_CHECKING:
-    from pounding_cli.study.changes import Change
+    from pounding_cli.study.vary.changes import Change
 
 
 def _point_command(name: str, about: str, example: str) -> click.Command:

@@ -111,7 +111,7 @@ def _find_values(values: Sequence[Any], text: str, unit: Unit, key: str) -> list
     """
     from pydantic_core import PydanticCustomError
 
-    from pounding_cli.study.quantity import Quantity
+    from pounding_cli.study.schema.quantity import Quantity
 
     numbers: list[float] = []
     with suppress(PydanticCustomError, ValueError):

@@ -115,7 +115,7 @@ def screen(
     if pair is not None:
         named = [each for each in street.pairs if each.name == pair]
         if not named:
-            from pounding_cli.study.file import nearest
+            from pounding_cli.study.text.file import nearest
 
             names = [each.name for each in street.pairs]
             hint = nearest(pair, names) or f"write one of: {', '.join(names[:10])}"

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from pounding_cli.batch.progress import JsonLines
     from pounding_cli.questions.optimise.question import Optimise
     from pounding_cli.questions.question import StudyQuestion
-    from pounding_cli.study.changes import Change
+    from pounding_cli.study.vary.changes import Change
 
 solving_options = together(
     quiet_option,

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from pounding_cli.numbers import Unit
     from pounding_cli.questions.question import StudyQuestion
     from pounding_cli.study import Plan, Study
-    from pounding_cli.study.changes import Change
+    from pounding_cli.study.vary.changes import Change
 
 
 @click.command()
@@ -56,8 +56,8 @@ def init(name: str, template: str | None, like: str | None) -> None:  # fmt: ski
     from pounding_cli.api.studies import default_output
     from pounding_cli.paper import TITLES as POINT_TITLES
     from pounding_cli.questions import TITLES, schema_text
-    from pounding_cli.study.file import kind_of_file, read_study
-    from pounding_cli.study.template import TEMPLATES, find_missing_motions, start_study
+    from pounding_cli.study.text.file import kind_of_file, read_study
+    from pounding_cli.study.text.template import TEMPLATES, find_missing_motions, start_study
 
     if template and like:
         problem = Problem("--template and --like name two studies to start from", "write one of the two")
@@ -109,7 +109,7 @@ def check(study: Path, changes: tuple[Change, ...], output: Path | None) -> None
     from pounding_cli.paper import TITLES as POINT_TITLES
     from pounding_cli.questions import TITLES
     from pounding_cli.reading import shorten_path
-    from pounding_cli.study.file import kind_of_file
+    from pounding_cli.study.text.file import kind_of_file
 
     name = shorten_path(study)
     kind = kind_of_file(study)
@@ -236,8 +236,8 @@ def _describe_duration(duration: RunDuration) -> str:
 def _describe_plan(plan: Plan) -> list[str]:
     """Return in lines what a run of a plan would solve and leave out."""
     from pounding_cli.batch.forecast import build_forecast
-    from pounding_cli.study.archetype_words import describe_seen_buildings
-    from pounding_cli.study.group import format_meetings
+    from pounding_cli.study.check.archetype_words import describe_seen_buildings
+    from pounding_cli.study.construct.group import format_meetings
 
     study = plan.study
     first = (0,) * len(plan.axes)
@@ -295,7 +295,7 @@ def _isolators(group: Sequence[Building], width: Unit) -> list[str]:
 
 def _plans(plan: Plan, group: Sequence[Building]) -> list[str]:
     """Return the plans of the buildings in lines, and which floors twist in which case why; none without plans."""
-    from pounding_cli.study.twist_words import describe_plans, describe_twists
+    from pounding_cli.study.check.twist_words import describe_plans, describe_twists
 
     if all(building.plan is None for building in group):
         return []
@@ -329,7 +329,7 @@ def _effects(found: Forecast) -> Iterator[str]:
 
 def _links(plan: Plan, case: int, width: Unit, strength: Unit) -> str:
     """Return the links of a case at the first point of the sweep, in words."""
-    from pounding_cli.study.link_words import describe_links
+    from pounding_cli.study.check.link_words import describe_links
 
     scene = plan.build(case * len(plan.analyses) * len(plan.records))
     twists = any(building.plan is not None for building in scene.buildings)

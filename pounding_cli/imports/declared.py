@@ -11,7 +11,7 @@ from pounding_cli.cells import Grammar, TextFile, choose_table_separator, load_t
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.imports.headings import PLAIN_HEADINGS, normalize_name
 from pounding_cli.records.declaration import SEPARATOR_NAMES
-from pounding_cli.study.file import Map, nearest, parse_value
+from pounding_cli.study.text.file import Map, nearest, parse_value
 
 GRAVITIES = (9.78, 9.84)
 """Accelerations of gravity by which a weight is divided [m/s2]: those of the Earth."""

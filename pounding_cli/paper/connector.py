@@ -14,9 +14,9 @@ from pounding_cli.laws.pounding import damping_ratio
 from pounding_cli.numbers import Unit
 from pounding_cli.paper.points import PointAnswer, PointCommand, SweepPoint, build_variable, describe_extremes
 from pounding_cli.report.style import finish, panels, with_style
-from pounding_cli.study.base import Model, SpecIssue, spec_field
-from pounding_cli.study.complete_links import DEFAULT_RESTITUTION
-from pounding_cli.study.quantity import MASS, STIFFNESS, TIME, ParsedText, Quantity, WholeNumber
+from pounding_cli.study.construct.complete_links import DEFAULT_RESTITUTION
+from pounding_cli.study.schema.base import Model, SpecIssue, spec_field
+from pounding_cli.study.schema.quantity import MASS, STIFFNESS, TIME, ParsedText, Quantity, WholeNumber
 from pounding_cli.tables import Column
 
 if TYPE_CHECKING:

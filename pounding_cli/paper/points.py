@@ -18,11 +18,11 @@ from pounding_cli.numbers import Unit, pluralize
 from pounding_cli.paper import load_point_command
 from pounding_cli.questions.frames import list_swept_columns
 from pounding_cli.solver.response import DONE
-from pounding_cli.study.axes import Axis, read_axes
-from pounding_cli.study.changes import Change, apply_changes
-from pounding_cli.study.doubts import Doubts, warn_values
-from pounding_cli.study.file import Problems, read_study, refuse_other_kinds, with_value
-from pounding_cli.study.words import describe_errors
+from pounding_cli.study.check.doubts import Doubts, warn_values
+from pounding_cli.study.schema.lookup import describe_errors
+from pounding_cli.study.text.file import Problems, read_study, refuse_other_kinds, with_value
+from pounding_cli.study.vary.axes import Axis, read_axes
+from pounding_cli.study.vary.changes import Change, apply_changes
 from pounding_cli.tables import Column, Table, build_table, table_of_texts
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from pounding_cli.errors import InputError, Problem
 
 if TYPE_CHECKING:
     from pounding_cli.questions.question import Question
-    from pounding_cli.study.schema import StudySpec
+    from pounding_cli.study.schema.study import StudySpec
 
 TITLES = {
     "run": "Run a study and print its summary.",
@@ -47,13 +47,13 @@ def load_questions() -> list[Question]:
 @functools.cache
 def study_model() -> type[StudySpec]:
     """Return the model of a study with the sections of all questions."""
-    from pounding_cli.study.schema import add_sections
+    from pounding_cli.study.schema.study import add_sections
 
     return add_sections(tuple(each.section for each in load_questions() if each.section is not None))
 
 
 def schema_text() -> str:
     """Return the JSON Schema of study files, for editors."""
-    from pounding_cli.study.schema import json_schema
+    from pounding_cli.study.schema.study import json_schema
 
     return json.dumps(json_schema(study_model()), indent=2, ensure_ascii=False) + "\n"

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pounding_cli.numbers import Unit
-from pounding_cli.study.axes import UNWRITTEN, Axis
-from pounding_cli.study.file import get
 from pounding_cli.study.study import Study
-from pounding_cli.study.varied_inputs import UncertainInput
+from pounding_cli.study.text.file import get
+from pounding_cli.study.vary.axes import UNWRITTEN, Axis
+from pounding_cli.study.vary.inputs import UncertainInput
 from pounding_cli.tables import Column
 
 if TYPE_CHECKING:

@@ -12,8 +12,8 @@ from pounding_cli.numbers import Unit
 from pounding_cli.results.arrays import ResultArrays
 from pounding_cli.results.columns import column_of
 from pounding_cli.results.dataset import find_contacts
-from pounding_cli.study.expression import CONTACT_QUANTITIES, QUANTITIES, TableQuantity
-from pounding_cli.study.plan import Plan
+from pounding_cli.study.expressions.expression import CONTACT_QUANTITIES, QUANTITIES, TableQuantity
+from pounding_cli.study.run_plan import Plan
 from pounding_cli.variables import RESPONSE_VARIABLES, VARIABLES
 
 if TYPE_CHECKING:

@@ -10,8 +10,9 @@ import numpy as np
 from pounding_cli.questions.question import StudyQuestion
 from pounding_cli.records import load_catalogue
 from pounding_cli.solver.response import DONE
-from pounding_cli.study.comparison import Compared, Comparison
-from pounding_cli.study.expression import (
+from pounding_cli.study.construct.group import unique_names
+from pounding_cli.study.expressions.comparison import Compared, Comparison
+from pounding_cli.study.expressions.expression import (
     ABSENT,
     FACTS,
     FLOOR,
@@ -30,8 +31,7 @@ from pounding_cli.study.expression import (
     TableQuantity,
     Value,
 )
-from pounding_cli.study.group import unique_names
-from pounding_cli.study.limits import TWIST
+from pounding_cli.study.expressions.limits import TWIST
 from pounding_cli.variables import LINE_RATIO_VARIABLES, NO_DIFFERENCE, RATIO_VARIABLES, SCENE_DIMS, VARIABLES
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from pounding_cli.variables import COORDINATE_VARIABLES
 if TYPE_CHECKING:
     import pandas as pd
 
-    from pounding_cli.study.axes import Axis
+    from pounding_cli.study.vary.axes import Axis
 
 PURE_NUMBER = Unit("", 1.0, "1")
 """Unit of a pure number."""

@@ -33,10 +33,10 @@ from pounding_cli.questions.question import StudyQuestion
 from pounding_cli.questions.specs import HazardFile, Measure, PowerHazard
 from pounding_cli.records import Motion
 from pounding_cli.records.hazard import intensity_factor, read_hazard
-from pounding_cli.study.axes import Axis
-from pounding_cli.study.motions import MotionUse
-from pounding_cli.study.quantity import ACCELERATION, Quantity
-from pounding_cli.study.records_spec import INTENSITY_KEYS, CodeTargetSpec, scales_in_proportion
+from pounding_cli.study.construct.motions import MotionUse
+from pounding_cli.study.schema.quantity import ACCELERATION, Quantity
+from pounding_cli.study.schema.records import INTENSITY_KEYS, CodeTargetSpec, scales_in_proportion
+from pounding_cli.study.vary.axes import Axis
 
 YEARS = 50.0
 """Years of the probability that stands beside a rate."""

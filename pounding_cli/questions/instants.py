@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pounding_cli.study.expression import Instant, TableQuantity
+from pounding_cli.study.expressions.expression import Instant, TableQuantity
 
 if TYPE_CHECKING:
     from pounding_cli.results.arrays import ResultArrays

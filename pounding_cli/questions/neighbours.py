@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from pounding_cli.numbers import Unit, join_limited, pluralize
-from pounding_cli.study.archetypes import KEY, Seen, is_sample_key, list_seen
-from pounding_cli.study.axes import Axis, sweep_maps
+from pounding_cli.study.schema.archetypes import KEY, Seen, is_sample_key, list_seen
+from pounding_cli.study.vary.axes import Axis, sweep_maps
 
 if TYPE_CHECKING:
     from pounding_cli.questions.question import StudyQuestion

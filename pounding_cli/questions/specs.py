@@ -10,8 +10,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field
 
 from pounding_cli.records.hazard import HazardColumns
-from pounding_cli.study.base import Model, SpecIssue, one_or_many, spec_field, tagged_union
-from pounding_cli.study.quantity import TIME, ParsedText, Quantity, WholeNumber, quote, refuse, written_unit
+from pounding_cli.study.schema.base import Model, SpecIssue, one_or_many, spec_field, tagged_union
+from pounding_cli.study.schema.quantity import TIME, ParsedText, Quantity, WholeNumber, quote, refuse, written_unit
 
 SEED = Annotated[int, WholeNumber(1, 2**31 - 1)]
 EXPRESSION_COLUMNS = (

@@ -25,9 +25,9 @@ from pounding_cli.questions.expressions import (
 )
 from pounding_cli.questions.frames import PURE_NUMBER, list_swept_columns
 from pounding_cli.questions.instants import Instants
-from pounding_cli.study.expression import ABSENT
-from pounding_cli.study.issues import Issues
-from pounding_cli.study.statements import Statement, iter_comparisons, parse_statements
+from pounding_cli.study.expressions.expression import ABSENT
+from pounding_cli.study.expressions.statements import Statement, iter_comparisons, parse_statements
+from pounding_cli.study.text.issues import Issues
 from pounding_cli.tables import Column, Row, Table, build_table
 from pounding_cli.units import find_unit_factor
 
@@ -38,8 +38,8 @@ if TYPE_CHECKING:
     from pounding_cli.results.arrays import ResultArrays
     from pounding_cli.results.results import ResultTables
     from pounding_cli.study import Study
-    from pounding_cli.study.comparison import Comparison
-    from pounding_cli.study.plan import Plan
+    from pounding_cli.study.expressions.comparison import Comparison
+    from pounding_cli.study.run_plan import Plan
 
 STATEMENTS = "statements"
 """Name of the table."""
@@ -144,8 +144,8 @@ def _find_lost_histories(statement: Statement, study: Study) -> Iterator[tuple[s
 
 def _read_statements_of(question: StudyQuestion, file: str) -> tuple[Any, ...]:
     """Return the statements of another study file as they are validated.  Note that it has none."""
-    from pounding_cli.study.file import read_study
-    from pounding_cli.study.written import read_specs
+    from pounding_cli.study.construct.written import read_specs
+    from pounding_cli.study.text.file import read_study
 
     study = question.study
     path = study.path.resolve().parent / file

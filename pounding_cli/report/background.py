@@ -153,7 +153,7 @@ def _motions_as_written(results: ResultTables) -> tuple[pd.DataFrame, dict[str, 
 
     A written intensity need not be one of those that are swept, since most ways to scale are in proportion to it.
     """
-    from pounding_cli.study.records_spec import (
+    from pounding_cli.study.schema.records import (
         INTENSITY_KEYS,
         scales_in_proportion,
     )  # here: a terminal prints results without a study

@@ -12,7 +12,7 @@ import pandas as pd
 
 from pounding_cli.numbers import Unit, join_limited
 from pounding_cli.results.flags import FlagGroup, flag_groups_of
-from pounding_cli.study.archetypes import is_sample_key
+from pounding_cli.study.schema.archetypes import is_sample_key
 from pounding_cli.variables import VARIABLES
 
 if TYPE_CHECKING:

@@ -20,7 +20,7 @@ from pounding_cli.report.figures import CONTACT_SENTENCE, has_contacts, new_fram
 from pounding_cli.report.style import finish, looks, name_axis, with_style
 from pounding_cli.results.columns import column_of
 from pounding_cli.solver.flags import is_meaningless
-from pounding_cli.study.expression import CONTACT_QUANTITIES
+from pounding_cli.study.expressions.expression import CONTACT_QUANTITIES
 from pounding_cli.variables import RESPONSE_VARIABLES, VARIABLES
 
 if TYPE_CHECKING:

@@ -11,9 +11,9 @@ import h5py
 
 from pounding_cli.errors import InputError
 from pounding_cli.results.file import read_attributes
-from pounding_cli.study.file import Items, Map, parse
-from pounding_cli.study.schema import StudySpec
-from pounding_cli.study.words import quantity_at, types_at
+from pounding_cli.study.schema.lookup import quantity_at, types_at
+from pounding_cli.study.schema.study import StudySpec
+from pounding_cli.study.text.file import Items, Map, parse
 
 ABSENT: Any = None
 """Value of a key that a study does not write."""

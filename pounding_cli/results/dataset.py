@@ -39,7 +39,7 @@ from pounding_cli.solver.response import COLLAPSED, DONE, Flag
 from pounding_cli.variables import LINE_RATIO_VARIABLES, RATIO_VARIABLES, STOREY_DIMS, VARIABLES, Variable
 
 if TYPE_CHECKING:
-    from pounding_cli.study.plan import Plan
+    from pounding_cli.study.run_plan import Plan
 
 _SOFTWARE = ("numpy", "scipy", "numba", "h5py", "xarray")
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-    from pounding_cli.study.plan import Plan
+    from pounding_cli.study.run_plan import Plan
 
 
 COORDINATES = ("time", "building", "storey", "floor", "line", "link")

@@ -30,7 +30,7 @@ from pounding_cli.solver.response import (
 )
 
 if TYPE_CHECKING:
-    from pounding_cli.study.plan import Plan
+    from pounding_cli.study.run_plan import Plan
 
 TEXTS = ("status", "advice", "method", "flags", "flag_severity", "effects", "dropped")
 """Texts of a response; of the last four one entry a line."""

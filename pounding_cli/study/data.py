@@ -14,19 +14,20 @@ from pydantic_core import PydanticCustomError
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
-from pounding_cli.study.buildings import build_building
-from pounding_cli.study.changes import Change
-from pounding_cli.study.complete_links import check_links, complete_links
-from pounding_cli.study.file import Items, Map, Mark, Problems, canonical, dump_yaml
-from pounding_cli.study.group import Group, check_meetings, unique_names
-from pounding_cli.study.issues import Issue, IssuesFound
-from pounding_cli.study.link_names import Names, check_case_names, check_impact_names
-from pounding_cli.study.link_places import find_floors, find_linked_pairs
-from pounding_cli.study.links import build_laws, build_links, evaluate_multiples, list_multiples
-from pounding_cli.study.quantity import Quantity
-from pounding_cli.study.schema import StudySpec
-from pounding_cli.study.study import Study, build_study
-from pounding_cli.study.written import read_spec
+from pounding_cli.study.construct.buildings import build_building
+from pounding_cli.study.construct.complete_links import check_links, complete_links
+from pounding_cli.study.construct.group import Group, check_meetings, unique_names
+from pounding_cli.study.construct.link_names import Names, check_case_names, check_impact_names
+from pounding_cli.study.construct.link_places import find_floors, find_linked_pairs
+from pounding_cli.study.construct.links import build_laws, build_links, evaluate_multiples, list_multiples
+from pounding_cli.study.construct.written import read_spec
+from pounding_cli.study.load import build_study
+from pounding_cli.study.schema.quantity import Quantity
+from pounding_cli.study.schema.study import StudySpec
+from pounding_cli.study.study import Study
+from pounding_cli.study.text.file import Items, Map, Mark, Problems, canonical, dump_yaml
+from pounding_cli.study.text.issues import Issue, IssuesFound
+from pounding_cli.study.vary.changes import Change
 from pounding_cli.texts import to_file_name
 
 

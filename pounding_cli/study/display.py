@@ -4,23 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from pydantic import BaseModel
 
 from pounding_cli.numbers import Unit
-from pounding_cli.study.buildings import build_building, find_code_displacements, find_separation
-from pounding_cli.study.complete_links import complete_links, find_losses
-from pounding_cli.study.file import get
-from pounding_cli.study.group import unique_names
-from pounding_cli.study.issues import IssuesFound
-from pounding_cli.study.link_specs import LOSSES, link_keys, needs_key, own_parameters
-from pounding_cli.study.quantity import MeasuredValue, Quantity, StoreyMultiple, written_unit
-from pounding_cli.study.ranges import unit_of
+from pounding_cli.study.construct.buildings import build_building, find_code_displacements, find_separation
+from pounding_cli.study.construct.complete_links import complete_links, find_losses
+from pounding_cli.study.construct.group import unique_names
+from pounding_cli.study.schema.links import LOSSES, link_keys, needs_key, own_parameters
+from pounding_cli.study.schema.quantity import MeasuredValue, Quantity, StoreyMultiple, written_unit
+from pounding_cli.study.schema.study import StudySpec
+from pounding_cli.study.text.file import get
+from pounding_cli.study.text.issues import IssuesFound
+from pounding_cli.study.vary.axes import Axis
+from pounding_cli.study.vary.ranges import unit_of
 from pounding_cli.units import GRAVITY
-
-if TYPE_CHECKING:
-    from pounding_cli.study.study import Study
 
 DISPLAY_UNITS: dict[str, tuple[tuple[tuple[str, ...], ...], tuple[str, ...], Unit]] = {
     "gap": ((("cases",),), ("gap",), Unit("cm", 0.01, "m")),
@@ -73,17 +72,20 @@ def to_plain_data(value: Any) -> Any:
     return value
 
 
-def describe_study(study: Study) -> dict[str, Any]:
+def describe_study(spec: StudySpec, title: str, axes: Sequence[Axis]) -> dict[str, Any]:
     """Return a study as plain data: every default filled in, SI numbers, the sweep set aside.
+
+    spec : the study as written, validated
+    title : its title or its name
+    axes : of its sweep
 
     Buildings also carry what was derived (`derived`: mass, height, stiffness, yield_shear, alpha, beta, period);
     the places of the group are under `places`, and `separation` holds the code separation [m] of each pair of
     neighbours, None where no code set the yield shears. Links stand with everything that case and `impact` give them.
     """
-    spec = study.spec
     plain: dict[str, Any] = {name: to_plain_data(getattr(spec, name)) for name in type(spec).model_fields}
-    plain["title"] = study.title
-    plain["sweep"] = [{"names": list(axis.names), "values": [list(v) for v in axis.values]} for axis in study.axes]
+    plain["title"] = title
+    plain["sweep"] = [{"names": list(axis.names), "values": [list(v) for v in axis.values]} for axis in axes]
     plain["cases"] = {name: {"links": _describe_links(case, name, spec.impact)} for name, case in spec.cases.items()}
     displacements = {}
     for name, building_spec in spec.buildings.items():

@@ -18,28 +18,23 @@ from pounding_cli.model.links import Link
 from pounding_cli.numbers import Unit
 from pounding_cli.reading import shorten_path
 from pounding_cli.records.motion import Motion
-from pounding_cli.study import keep, warnings
-from pounding_cli.study.axes import Axis, read_axes, with_middles
-from pounding_cli.study.both_sides import with_both_sides
-from pounding_cli.study.buildings import find_separation
-from pounding_cli.study.changes import Change, apply_changes
+from pounding_cli.study.construct.buildings import find_separation
+from pounding_cli.study.construct.group import Group, unique_names
+from pounding_cli.study.construct.motions import MotionReader, MotionUse, Suite, read_suite
+from pounding_cli.study.construct.resolve import StudyParts, changes_part, tree_at
+from pounding_cli.study.construct.swept import Point, Swept, sweep_map
+from pounding_cli.study.construct.validate import validate_tree
 from pounding_cli.study.display import describe_study, find_unit
-from pounding_cli.study.file import Map, Problems, nearest, read_study, refuse_other_kinds
-from pounding_cli.study.group import Group, unique_names
-from pounding_cli.study.issues import Issue, Issues, IssuesFound, drop_idle_axes
-from pounding_cli.study.like import resolve_all_likes
-from pounding_cli.study.motions import MotionReader, MotionUse, Suite, read_suite
-from pounding_cli.study.records_spec import SpectrumSpec
-from pounding_cli.study.resolve import StudyParts, changes_part, resolve, tree_at
-from pounding_cli.study.schema import StudySpec, find_section_names
-from pounding_cli.study.swept import AS_WRITTEN, Point, Swept, sweep_map
-from pounding_cli.study.written import build_study_spec, note_unknown_names, read_specs
+from pounding_cli.study.schema.records import SpectrumSpec
+from pounding_cli.study.schema.study import StudySpec, find_section_names
+from pounding_cli.study.text.file import Map, Problems
+from pounding_cli.study.text.issues import IssuesFound
+from pounding_cli.study.vary.axes import Axis, read_axes, with_middles
+from pounding_cli.study.vary.both_sides import with_both_sides
+from pounding_cli.study.vary.changes import Change
 
 RESIDUAL_DRIFT = "residual_drift"
 """The key and the quantity of the drifts at rest."""
-
-MAX_AT_POINTS = 20
-"""Problems of single points of the sweep that are told."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +108,7 @@ class Study:
         InputError : the study is not sound at a point of them
         """
         tree = self.tree if tree is None else tree
-        spec, parts = _resolve_tree(tree, tuple(axes), self.reader, self.file, type(self.spec))
+        spec, parts = validate_tree(tree, tuple(axes), self.reader, self.file, type(self.spec))
         return replace(self, tree=tree, axes=tuple(axes), spec=spec, parts=parts)
 
     def with_tree(self, tree: Map) -> Study:
@@ -197,7 +192,7 @@ class Study:
 
     def to_plain_data(self) -> dict[str, Any]:
         """Return the study as plain data: every default filled in, SI numbers, the sweep set aside."""
-        return describe_study(self)
+        return describe_study(self.spec, self.title, self.axes)
 
     def spectrum_match(self) -> records.SpectrumMatch | None:
         """Return the motions against the target spectrum that the study writes; None without one."""
@@ -219,165 +214,6 @@ class Study:
             return np.array([*(find_separation(left, right) for left, right in pairwise(allowed)), np.nan])
 
         return sweep_map(separate, *displacements)
-
-
-def load_study_file(
-    path: str | Path, model: type[StudySpec] = StudySpec, changes: Sequence[Change] = ()
-) -> Study:  # fmt: skip
-    """Read and validate a study file.
-
-    model : of the study, with the sections of questions (`add_sections`)
-    changes : values in place of those of the file
-
-    Raises
-    ------
-    InputError : with every problem found in it, each with file, line, column, message and hint
-    """
-    path = Path(path)
-    return build_study(path, *read_study(path), model, changes)
-
-
-def build_study(
-    path: Path,
-    text: str,
-    tree: Map,
-    model: type[StudySpec],
-    changes: Sequence[Change] = (),
-    reader: MotionReader | None = None,
-) -> Study:
-    """Return a validated study.
-
-    text : as written
-    tree : what it holds
-    changes : values in place of those there
-    reader : of the motions, where several studies of one folder have the same ones
-
-    Raises
-    ------
-    InputError : as `load_study_file`
-    """
-    file = shorten_path(path)
-    refuse_other_kinds(tree, file)
-    if changes:
-        text, tree = apply_changes(text, tree, changes, file, model)
-    reader = MotionReader(path.resolve().parent) if reader is None else reader
-    problems = Problems(file)
-    tree = with_middles(with_both_sides(tree, problems), problems)
-    axes = read_axes(tree, problems)
-    from_data = isinstance(tree.mark[0], str)
-    spec, parts = _resolve_tree(tree, axes, reader, file, model, problems)
-    first = tree_at(tree, axes, (0,) * len(axes))
-    title = spec.title or shorten_path(path.stem)
-    study = Study(
-        path, text, title, tree, axes, spec, parts, first, (), from_data, reader, tuple(changes)
-    )  # fmt: skip
-    return replace(study, warnings=warnings.find_warnings(study))
-
-
-def _resolve_tree(
-    tree: Map,
-    axes: tuple[Axis, ...],
-    reader: MotionReader,
-    file: str,
-    model: type[StudySpec],
-    problems: Problems | None = None,
-) -> tuple[StudySpec, StudyParts]:
-    """Return a study as written, validated, and its parts at the points of the sweep.  Raises InputError.
-
-    problems : found before; the names that a study may have wrong are looked at as well
-    """
-    issues = Issues()
-    specs = read_specs(tree, issues, model)
-    parts = resolve(specs, tree, axes, reader, issues)
-    spec = build_study_spec(specs, issues, model)
-    if problems is not None:
-        note_unknown_names(tree, specs, issues)
-        _note_names_of_report(specs, tree, axes, parts, issues)
-        if tree.get("uncertain") is not None:  # buildings that are only seen have nothing that may be wrong
-            from pounding_cli.study.vary import read_uncertain  # here: few studies have distributions
-
-            read_uncertain(tree, problems)
-    problems = Problems(file) if problems is None else problems
-    place_issues(issues, tree, axes, problems)
-    problems.check()
-    assert spec is not None  # else something was noted
-    return spec, parts
-
-
-def place_issues(issues: Issues, tree: Map, axes: Sequence[Axis], problems: Problems) -> None:
-    """Note issues at their lines and columns, with the values of the sweep at which they arise.
-
-    Where the study as written is faulty, only what is wrong with swept values themselves is told beside that.
-    """
-    sizes = [len(axis) for axis in axes]
-    trees: dict[Point, Map] = {}
-    at_points: dict[Problem, None] = {}
-    is_faulty = False
-    for (issue, numbers), points in issues.points.items():
-        for deciding in drop_idle_axes(numbers, points, sizes):
-            if isinstance(issue, Problem):
-                problems.extend([issue])
-                continue
-            point = _choose_point(deciding, numbers, len(axes))
-            if point not in trees:
-                trees = {point: resolve_all_likes(tree_at(tree, axes, point))}
-            problem, is_of_point = _place_issue(issue, deciding, trees[point], axes, problems.file)
-            if is_of_point:
-                at_points[problem] = None
-            else:
-                problems.extend([problem])
-                is_faulty = True
-    if not is_faulty and not problems.found:
-        kept = sorted(at_points, key=lambda problem: (problem.line, problem.column, problem.message))
-        problems.extend(kept[:MAX_AT_POINTS])
-
-
-def _choose_point(deciding: Mapping[int, int], numbers: tuple[int, ...], count: int) -> Point:
-    """Return the point of the sweep at which the file is looked at for the place of an issue.
-
-    deciding : places on the axes that decide about the issue
-    numbers : of the axes that the part depends on; of the others, `count` in all, the file itself stands
-    """
-    return tuple(deciding.get(number, 0 if number in numbers else AS_WRITTEN) for number in range(count))
-
-
-def _place_issue(
-    issue: Issue, deciding: Mapping[int, int], tree: Map, axes: Sequence[Axis], file: str
-) -> tuple[Problem, bool]:
-    """Return an issue with its place, and whether it arises at a point of the sweep but stands elsewhere.
-
-    deciding : places on the axes that decide about the issue
-    tree : the file at the point
-    """
-    placed = Problems(file)
-    placed.add_issue(tree, issue)
-    (problem,) = placed.found
-    marks = {mark[0] for number, place in deciding.items() for mark in axes[number].marks[place]}
-    if not deciding or marks & {problem.line, problem.file}:
-        return problem, False
-    where = ", ".join(axes[number].format_point(place) for number, place in sorted(deciding.items()))
-    return replace(problem, message=f"{problem.message} (where {where})"), True
-
-
-def _note_names_of_report(
-    specs: Mapping[Any, Any], tree: Map, axes: Sequence[Axis], parts: StudyParts, issues: Issues
-) -> None:
-    """Note the cases and buildings under `report` and `keep` that the study does not have."""
-    report = specs.get(("report",))
-    group = specs.get(("group",))
-    cases = [path[1] for path in specs if path[0] == "cases"]
-    for place, case in enumerate((report and report.plot) or ()):
-        if cases and case not in cases:
-            issues.add_written([Issue(("report", "plot", place), f"plot: no case '{case}'", nearest(case, cases))])
-    if report is not None and report.building is not None and group is not None:
-        names = dict.fromkeys((*unique_names(group), *group))
-        if report.building not in names:
-            message = f"no building '{report.building}' in the group"
-            issues.add_written([Issue(("report", "building"), message, nearest(report.building, names))])
-    if cases:
-        suite = next((suite for _, suite in parts.suite.iter_values() if suite is not None), None)
-        motions = list(suite.uses) if suite is not None else []
-        issues.add_written(keep.find_keep_issues(specs, cases, motions, tree, axes))
 
 
 def _names_residual_drift(node: Any) -> bool:

@@ -12,7 +12,7 @@ from click.testing import CliRunner
 from pounding_cli import InputError, load_study, open_results, run
 from pounding_cli.cli.main import cli
 from pounding_cli.study import make_plan
-from pounding_cli.study.changes import name_changes, parse_changes
+from pounding_cli.study.vary.changes import name_changes, parse_changes
 
 ROOT = Path(__file__).parents[2]
 

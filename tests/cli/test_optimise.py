@@ -16,7 +16,7 @@ from pounding_cli.questions.optimise.words import list_notes
 from pounding_cli.questions.reports import build_report
 from pounding_cli.results.results import ResultTables
 from pounding_cli.study import load_study_file
-from pounding_cli.study.file import parse
+from pounding_cli.study.text.file import parse
 from pounding_cli.tables import Table
 from tests.night import NIGHTLY
 

@@ -14,7 +14,7 @@ from pounding_cli.study import load_study_file, make_plan
 
 ROOT = Path(__file__).parents[2]
 STUDY = Path(pounding_cli.study.__file__).parent
-SOURCE = "\n".join(path.read_text(encoding="utf-8") for path in sorted(STUDY.glob("*.py")))
+SOURCE = "\n".join(path.read_text(encoding="utf-8") for path in sorted(STUDY.rglob("*.py")))
 PAGE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
 SWEEPS = [
     "",
@@ -87,7 +87,11 @@ def test_functions_and_files_of_the_page_exist():
     assert len(named) > 30
     assert set(named) <= words | {path.stem for path in STUDY.parent.rglob("*.py")}
     files = re.findall(r"`(\w+\.py)`", section)
-    assert {file for file in files if file != "points.py"} <= {path.name for path in STUDY.glob("*.py")}
+    assert {file for file in files if file != "points.py"} <= {path.name for path in STUDY.rglob("*.py")}
     table = section.split("#### ")[0]
+    for room, row in re.findall(r"^\| `(\w+)/` \| (.+) \|$", table, re.MULTILINE):
+        here = {path.name for path in (STUDY / room).glob("*.py")} - {"__init__.py"}
+        listed = set(re.findall(r"`(\w+\.py)`", row.replace("`schema/quantity.py`", "")))
+        assert listed == here
     listed = set(re.findall(r"`(\w+\.py)`", table))
-    assert listed == {path.name for path in STUDY.glob("*.py")} - {"__init__.py"}
+    assert listed == {path.name for path in STUDY.rglob("*.py")} - {"__init__.py"}

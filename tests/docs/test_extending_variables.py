@@ -34,7 +34,7 @@ import pounding_cli as pound
 from pounding_cli.report.evidence import find_nominal
 from pounding_cli.report.widgets import build_explorer_data
 from pounding_cli.report.sweep import over_sweep
-from pounding_cli.study.expression import Scope, parse_expression
+from pounding_cli.study.expressions.expression import Scope, parse_expression
 
 results = pound.run("study.yaml", engine="serial")
 link = results.link()

@@ -15,7 +15,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import pounding_cli as pound
-from pounding_cli.study.quantity import written_unit
+from pounding_cli.study.schema.quantity import written_unit
 from pounding_cli.units import parse_unit
 from tests.reference import published
 

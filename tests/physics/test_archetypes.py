@@ -163,7 +163,7 @@ def test_what_is_known_stands_in_place_of_the_type(keys, period, shear, damping)
     spec = study.spec.buildings["theirs"]
     assert spec.damping == (damping or archetype.damping)
     assert building.height[0] == (2.9 if "height" in keys else 3.05)
-    from pounding_cli.study.vary import list_seen_inputs
+    from pounding_cli.study.vary.uncertain import list_seen_inputs
 
     known = {
         "period": {"period", "stiffness"} & keys.keys(),

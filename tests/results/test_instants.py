@@ -9,8 +9,8 @@ import pytest
 
 from pounding_cli.questions.instants import Instants, find_at_instant
 from pounding_cli.results.arrays import Array, ResultArrays
-from pounding_cli.study.comparison import parse_comparison
-from pounding_cli.study.expression import Scope
+from pounding_cli.study.expressions.comparison import parse_comparison
+from pounding_cli.study.expressions.expression import Scope
 
 SCOPE = Scope(("soft", "stiff"), ("near",), ("elastic",), ("taft",), ("pounding",))
 TIMES = np.arange(7.0)

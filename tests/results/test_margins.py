@@ -9,8 +9,8 @@ import pytest
 
 from pounding_cli.questions.expressions import EVERY, compare_values, find_spread
 from pounding_cli.solver.response import COLLAPSED, DONE
-from pounding_cli.study.comparison import parse_comparison
-from pounding_cli.study.expression import Scope
+from pounding_cli.study.expressions.comparison import parse_comparison
+from pounding_cli.study.expressions.expression import Scope
 
 SCOPE = Scope(("soft", "stiff"), ("near",), ("elastic",), ("taft", "elcentro"), ("pounding",))
 

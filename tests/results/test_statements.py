@@ -27,9 +27,9 @@ from pounding_cli.questions.statements import (
     list_verdicts,
     view_verdicts,
 )
-from pounding_cli.study.comparison import parse_comparison
-from pounding_cli.study.expression import QUANTITIES, ExpressionError, Scope
-from pounding_cli.study.statements import Statement
+from pounding_cli.study.expressions.comparison import parse_comparison
+from pounding_cli.study.expressions.expression import QUANTITIES, ExpressionError, Scope
+from pounding_cli.study.expressions.statements import Statement
 
 STUDY: dict[str, Any] = {
     "title": "Statements",

@@ -22,9 +22,9 @@ from pounding_cli.results.export import export
 from pounding_cli.results.pelicun import demands
 from pounding_cli.results.plausible import implausible_results
 from pounding_cli.results.results import ResultTables
-from pounding_cli.study.comparison import parse_comparison
-from pounding_cli.study.expression import ExpressionError, Scope, parse_expression
-from pounding_cli.study.limits import parse_limit
+from pounding_cli.study.expressions.comparison import parse_comparison
+from pounding_cli.study.expressions.expression import ExpressionError, Scope, parse_expression
+from pounding_cli.study.expressions.limits import parse_limit
 
 STUDY = """\
 title: End of a row

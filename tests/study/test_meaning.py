@@ -442,7 +442,7 @@ def test_a_study_as_a_dict_is_that_of_its_file():
 
 def test_a_large_sweep_builds_every_building_once(monkeypatch):
     """Fails if answers of a study are forgotten while a sweep of some thousand points is expanded."""
-    import pounding_cli.study.resolve as resolve
+    import pounding_cli.study.construct.resolve as resolve
 
     built, of_the_program = [], resolve.build_building
     monkeypatch.setattr(resolve, "build_building", lambda name, spec: built.append(name) or of_the_program(name, spec))

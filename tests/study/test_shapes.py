@@ -11,13 +11,13 @@ import pytest
 from pydantic import BaseModel
 
 from pounding_cli.questions import study_model
-from pounding_cli.study.file import Items, Map, Problems, dump_yaml, locate, parse
-from pounding_cli.study.issues import Issues
-from pounding_cli.study.link_specs import link_models
-from pounding_cli.study.records_spec import CODE_TARGETS
-from pounding_cli.study.study import place_issues
-from pounding_cli.study.words import fields_of, leaf_types
-from pounding_cli.study.written import read_specs
+from pounding_cli.study.construct.validate import place_issues
+from pounding_cli.study.construct.written import read_specs
+from pounding_cli.study.schema.links import link_models
+from pounding_cli.study.schema.lookup import fields_of, leaf_types
+from pounding_cli.study.schema.records import CODE_TARGETS
+from pounding_cli.study.text.file import Items, Map, Problems, dump_yaml, locate, parse
+from pounding_cli.study.text.issues import Issues
 
 SHAPES: dict[str, tuple[Any, tuple[str, ...]]] = {
     "mapping": ({"nonsense": ["1 %", "2 %"]}, ("nonsense",)),

@@ -17,15 +17,15 @@ from pounding_cli.questions.gap import QUESTION as GAP
 from pounding_cli.records import CODES, TargetSpectrum
 from pounding_cli.records.motion import spectrum
 from pounding_cli.study import load_study_file
-from pounding_cli.study.building_spec import BuildingSpec
-from pounding_cli.study.buildings import build_building
+from pounding_cli.study.check.suite_rules import find_suite_issues
+from pounding_cli.study.construct.buildings import build_building
+from pounding_cli.study.construct.group import Group
+from pounding_cli.study.construct.motions import MotionItem, MotionUse, Suite
 from pounding_cli.study.display import to_plain_data
-from pounding_cli.study.group import Group
-from pounding_cli.study.motions import MotionItem, MotionUse, Suite
-from pounding_cli.study.records_spec import CodeTargetSpec, RecordsSpec
-from pounding_cli.study.schema import StudySpec
-from pounding_cli.study.suite_rules import find_suite_issues
-from pounding_cli.study.words import quantity_at
+from pounding_cli.study.schema.building import BuildingSpec
+from pounding_cli.study.schema.lookup import quantity_at
+from pounding_cli.study.schema.records import CodeTargetSpec, RecordsSpec
+from pounding_cli.study.schema.study import StudySpec
 from pounding_cli.units import GRAVITY
 
 STUDY = """\

@@ -13,9 +13,9 @@ from pounding_cli.questions.frames import PLACE_COLUMNS, list_swept_columns
 from pounding_cli.questions.question import Answer, Question, StudyQuestion
 from pounding_cli.results.results import ResultTables
 from pounding_cli.study import Plan, make_plan
-from pounding_cli.study.base import Model, spec_field
-from pounding_cli.study.quantity import Quantity
-from pounding_cli.study.schema import StudySection
+from pounding_cli.study.schema.base import Model, spec_field
+from pounding_cli.study.schema.quantity import Quantity
+from pounding_cli.study.schema.study import StudySection
 from pounding_cli.tables import Column, Table, build_table
 
 PERCENT = Unit("%", 0.01, "1")

@@ -10,9 +10,9 @@ from pounding_cli.questions.fragility.targets import takes_blow
 from pounding_cli.questions.frames import ALONE
 from pounding_cli.results.dataset import find_contacts
 from pounding_cli.study import Plan
-from pounding_cli.study.expression import SHEAR_DEMAND
-from pounding_cli.study.limits import COLLAPSE, CONTACT, EDGE_DRIFT, TWIST, Target
-from pounding_cli.study.swept import Point
+from pounding_cli.study.construct.swept import Point
+from pounding_cli.study.expressions.expression import SHEAR_DEMAND
+from pounding_cli.study.expressions.limits import COLLAPSE, CONTACT, EDGE_DRIFT, TWIST, Target
 
 if TYPE_CHECKING:
     from pounding_cli.results.responses import Responses

@@ -20,9 +20,9 @@ from pounding_cli.questions.neighbours import build_neighbour_axis, list_drawn
 from pounding_cli.questions.question import Answer, StudyQuestion
 from pounding_cli.questions.specs import Measure
 from pounding_cli.study import Plan, Study, make_plan
-from pounding_cli.study.limits import LIMITS_OF_PAIRS, Target
-from pounding_cli.study.records_spec import INTENSITY_KEYS
-from pounding_cli.study.swept import Point
+from pounding_cli.study.construct.swept import Point
+from pounding_cli.study.expressions.limits import LIMITS_OF_PAIRS, Target
+from pounding_cli.study.schema.records import INTENSITY_KEYS
 
 if TYPE_CHECKING:
     from pounding_cli.batch.solve import Solver

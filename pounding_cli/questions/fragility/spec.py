@@ -13,8 +13,8 @@ from pounding_cli.questions.specs import (
     Measure,
     parse_measure,
 )
-from pounding_cli.study.base import Model, one_or_many, spec_field
-from pounding_cli.study.quantity import ParsedText, WholeNumber
+from pounding_cli.study.schema.base import Model, one_or_many, spec_field
+from pounding_cli.study.schema.quantity import ParsedText, WholeNumber
 
 
 class FragilitySpec(Model):

@@ -11,11 +11,20 @@ from pounding_cli.model.links import LinkPlace, link_places
 from pounding_cli.questions.expressions import find_scope, find_twist_problem
 from pounding_cli.questions.question import StudyQuestion
 from pounding_cli.study import Study
-from pounding_cli.study.archetypes import list_seen
-from pounding_cli.study.expression import SHEAR_DEMAND, ExpressionError, TableQuantity
-from pounding_cli.study.group import unique_names
-from pounding_cli.study.limits import COLLAPSE, CONTACT, DAMAGE_LIMITS, EDGE_DRIFT, TWIST, Limit, Target, parse_limit
-from pounding_cli.study.swept import Point
+from pounding_cli.study.construct.group import unique_names
+from pounding_cli.study.construct.swept import Point
+from pounding_cli.study.expressions.expression import SHEAR_DEMAND, ExpressionError, TableQuantity
+from pounding_cli.study.expressions.limits import (
+    COLLAPSE,
+    CONTACT,
+    DAMAGE_LIMITS,
+    EDGE_DRIFT,
+    TWIST,
+    Limit,
+    Target,
+    parse_limit,
+)
+from pounding_cli.study.schema.archetypes import list_seen
 
 _HINTS = {
     COLLAPSE: "write `p_delta: true` of a building that yields, or the drift: `collapse: 10 %`",

@@ -15,9 +15,9 @@ from pounding_cli.questions.fragility.tables import CURVES, NEIGHBOURS, PERCENT,
 from pounding_cli.questions.frames import ALONE, STATE_COLUMN, WITH_POUNDING
 from pounding_cli.questions.hazard import YEARS
 from pounding_cli.report.evidence import find_nominal
-from pounding_cli.study.expression import SHEAR_DEMAND, Scope
-from pounding_cli.study.limits import EDGE_DRIFT, EVENTS, TWIST, parse_limit
-from pounding_cli.study.records_spec import INTENSITY_KEYS
+from pounding_cli.study.expressions.expression import SHEAR_DEMAND, Scope
+from pounding_cli.study.expressions.limits import EDGE_DRIFT, EVENTS, TWIST, parse_limit
+from pounding_cli.study.schema.records import INTENSITY_KEYS
 from pounding_cli.tables import Column, Row, Table
 
 if TYPE_CHECKING:

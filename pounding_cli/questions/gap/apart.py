@@ -16,10 +16,10 @@ from pounding_cli.model.links import Link
 from pounding_cli.model.meetings import find_meetings
 from pounding_cli.model.twist import merge_links
 from pounding_cli.study import Study
-from pounding_cli.study.axes import Axis
-from pounding_cli.study.file import Map
-from pounding_cli.study.group import Group
-from pounding_cli.study.street_places import EDGE_TOLERANCE, LinkArms, StreetSide, find_shared_edge
+from pounding_cli.study.construct.group import Group
+from pounding_cli.study.schema.street_places import EDGE_TOLERANCE, LinkArms, StreetSide, find_shared_edge
+from pounding_cli.study.text.file import Map
+from pounding_cli.study.vary.axes import Axis
 
 LINK_SECTIONS = ("cases", "impact", "laws")
 """Sections that say what stands between the buildings."""

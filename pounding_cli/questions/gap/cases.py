@@ -13,7 +13,7 @@ from pounding_cli.questions.gap.edges import PLACE_TOLERANCE
 from pounding_cli.questions.gap.statistics import build_point_table
 from pounding_cli.questions.gap.tables import CASES_COLUMNS, CASES_TABLE, MOTION_RULES, NO, UNKNOWN, YES
 from pounding_cli.study import Plan, Study
-from pounding_cli.study.swept import Point
+from pounding_cli.study.construct.swept import Point
 from pounding_cli.tables import Table
 
 if TYPE_CHECKING:

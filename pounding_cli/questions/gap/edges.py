@@ -20,9 +20,9 @@ from pounding_cli.model.twist import needs_plan
 from pounding_cli.model.wall import Wall
 from pounding_cli.results.arrays import ResultArrays
 from pounding_cli.study import Plan, Study, make_plan
-from pounding_cli.study.file import Items, Map
-from pounding_cli.study.group import Group
-from pounding_cli.study.swept import Point, Swept, sweep_map
+from pounding_cli.study.construct.group import Group
+from pounding_cli.study.construct.swept import Point, Swept, sweep_map
+from pounding_cli.study.text.file import Items, Map
 
 if TYPE_CHECKING:
     from pounding_cli.batch.solve import Solver

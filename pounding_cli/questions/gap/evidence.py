@@ -22,7 +22,7 @@ from pounding_cli.questions.gap.tables import (
 )
 from pounding_cli.report.evidence import Evidence, find_nominal
 from pounding_cli.solver.response import DONE
-from pounding_cli.study.file import parse
+from pounding_cli.study.text.file import parse
 from pounding_cli.tables import Row
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from pounding_cli.questions.gap.evidence import GapEvidence
 from pounding_cli.questions.gap.tables import NEIGHBOUR_CASES_TABLE, NEIGHBOURS_TABLE
 from pounding_cli.report.evidence import describe_motions
 from pounding_cli.report.style import finish, grid, shared_legend, with_style
-from pounding_cli.study.archetypes import is_sample_key
+from pounding_cli.study.schema.archetypes import is_sample_key
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

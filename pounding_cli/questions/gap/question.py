@@ -22,7 +22,7 @@ from pounding_cli.questions.gap.tables import GAP_TABLE, LINE_TABLE
 from pounding_cli.questions.neighbours import build_neighbour_axis
 from pounding_cli.questions.question import Answer, StudyQuestion
 from pounding_cli.study import Plan, Study, make_plan
-from pounding_cli.study.swept import Swept, sweep_map
+from pounding_cli.study.construct.swept import Swept, sweep_map
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -87,7 +87,7 @@ class Gap(StudyQuestion):
     def _find_swept_intensity(self) -> tuple[Measure, list[Any]] | None:
         """Return the intensity measure that is swept, and its values [SI]; None where none is."""
         from pounding_cli.questions.specs import Measure
-        from pounding_cli.study.records_spec import INTENSITY_KEYS
+        from pounding_cli.study.schema.records import INTENSITY_KEYS
 
         if self.intensity_axis is None:
             return None
@@ -97,7 +97,7 @@ class Gap(StudyQuestion):
     def _find_written_intensity(self) -> tuple[Measure, list[Any]] | None:
         """Return the intensity measure that the motions are scaled to, and its value [SI]; None where there is none."""
         from pounding_cli.questions.specs import Measure
-        from pounding_cli.study.records_spec import En1998Spec, PgaSpec, PgvSpec, SaSpec, SpectrumSpec
+        from pounding_cli.study.schema.records import En1998Spec, PgaSpec, PgvSpec, SaSpec, SpectrumSpec
 
         scale = self.study.spec.records.scale
         if isinstance(scale, SpectrumSpec) and isinstance(scale.target, En1998Spec):

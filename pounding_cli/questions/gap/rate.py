@@ -14,7 +14,7 @@ from pounding_cli.questions.gap.separations import list_sweep_points
 from pounding_cli.questions.gap.tables import EXACT, GAP_CONFIDENCE, GAP_RATE_COLUMNS, RATE_TABLE, is_length
 from pounding_cli.questions.hazard import MIN_GAP, Hazard, compute_contact_rates, find_gaps, poisson_probability
 from pounding_cli.study import Plan
-from pounding_cli.study.swept import Point
+from pounding_cli.study.construct.swept import Point
 from pounding_cli.tables import Table, build_table
 
 if TYPE_CHECKING:

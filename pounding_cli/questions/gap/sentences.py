@@ -19,7 +19,7 @@ from pounding_cli.questions.gap.evidence import (
 from pounding_cli.questions.gap.neighbour_words import describe_neighbour_spread, describe_neighbours
 from pounding_cli.questions.gap.tables import CASES_TABLE, EXACT, GAP_TABLE, NO, RATE_TABLE, UNKNOWN, YES
 from pounding_cli.questions.hazard import YEARS
-from pounding_cli.study.file import parse
+from pounding_cli.study.text.file import parse
 from pounding_cli.tables import Column, Row
 
 if TYPE_CHECKING:

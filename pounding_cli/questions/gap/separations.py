@@ -30,9 +30,9 @@ from pounding_cli.questions.gap.tables import EXACT, FACING_KEYS, HIGH_END, LOW_
 from pounding_cli.results.arrays import ResultArrays
 from pounding_cli.results.responses import max_storeys
 from pounding_cli.study import Plan
-from pounding_cli.study.buildings import find_code_displacements
-from pounding_cli.study.street_places import EDGE_TOLERANCE, StreetSide, find_shared_edge
-from pounding_cli.study.swept import Point, Swept
+from pounding_cli.study.construct.buildings import find_code_displacements
+from pounding_cli.study.construct.swept import Point, Swept
+from pounding_cli.study.schema.street_places import EDGE_TOLERANCE, StreetSide, find_shared_edge
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -9,8 +9,8 @@ from pydantic import BeforeValidator
 
 from pounding_cli.model.separation import CODE_RULES, GB_SHARE, GB_STEP, CodeRule
 from pounding_cli.questions.specs import ANNUAL_RATE, HAZARD_DESCRIPTION, Hazards, percents
-from pounding_cli.study.base import Model, SpecIssue, one_or_many, spec_field
-from pounding_cli.study.quantity import ACCELERATION, ParsedText, Quantity, WholeNumber, refuse, written_unit
+from pounding_cli.study.schema.base import Model, SpecIssue, one_or_many, spec_field
+from pounding_cli.study.schema.quantity import ACCELERATION, ParsedText, Quantity, WholeNumber, refuse, written_unit
 
 
 class Gb50011Spec(Model):

@@ -38,7 +38,7 @@ from pounding_cli.questions.gap.tables import (
 )
 from pounding_cli.records.code_spectra import NTC2018
 from pounding_cli.solver.response import COLLAPSED
-from pounding_cli.study.file import parse
+from pounding_cli.study.text.file import parse
 from pounding_cli.tables import Column, Row, Table
 
 if TYPE_CHECKING:
@@ -332,7 +332,7 @@ def _iter_rate_notes(results: ResultTables) -> Iterator[str]:
     codes = results.answer(CODES_TABLE).frame if CODES_TABLE in results.answers else pd.DataFrame({"rate": []})
     rated = codes[codes["rate"].notna()]
     if len(rated):
-        from pounding_cli.study.records_spec import INTENSITY_KEYS  # here: a terminal prints results without a study
+        from pounding_cli.study.schema.records import INTENSITY_KEYS  # here: a terminal prints results without a study
 
         intensity_keys = [key for key in results.axes if key in INTENSITY_KEYS]
         intensities = len(rated[intensity_keys].drop_duplicates()) if intensity_keys else 1

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pounding_cli.questions.optimise.spec import OptimiseSpec
 from pounding_cli.questions.optimise.tables import COLUMNS_BY_TABLE
 from pounding_cli.questions.question import LateFunction, Question
-from pounding_cli.study.schema import StudySection
+from pounding_cli.study.schema.study import StudySection
 
 QUESTION = Question(
     name="optimise",

@@ -40,12 +40,12 @@ from pounding_cli.results.dataset import build_arrays
 from pounding_cli.results.flags import is_void, split_flag
 from pounding_cli.solver.response import OUTCOMES
 from pounding_cli.study import Plan, Study, make_plan
-from pounding_cli.study.comparison import Comparison, parse_comparison
-from pounding_cli.study.edit import with_values
-from pounding_cli.study.expression import parse_expression
-from pounding_cli.study.file import get, nearest
-from pounding_cli.study.varied_inputs import DistributedInput, KeyInput
-from pounding_cli.study.vary import read_searched
+from pounding_cli.study.expressions.comparison import Comparison, parse_comparison
+from pounding_cli.study.expressions.expression import parse_expression
+from pounding_cli.study.text.edit import with_values
+from pounding_cli.study.text.file import get, nearest
+from pounding_cli.study.vary.inputs import DistributedInput, KeyInput
+from pounding_cli.study.vary.uncertain import read_searched
 from pounding_cli.tables import Table, build_table
 from pounding_cli.variables import SCENE_DIMS, VARIABLES
 

@@ -21,7 +21,7 @@ from pounding_cli.questions.optimise.question import (
 from pounding_cli.questions.optimise.tables import DESIGN, OPTIMUM, SEARCHED_POINTS
 from pounding_cli.report.background import STIFFNESS_KEY
 from pounding_cli.study.display import key_words
-from pounding_cli.study.expression import QUANTITIES
+from pounding_cli.study.expressions.expression import QUANTITIES
 from pounding_cli.tables import Column, Row, Table
 
 if TYPE_CHECKING:

@@ -14,9 +14,9 @@ import numpy as np
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import pluralize
 from pounding_cli.reading import shorten_path
-from pounding_cli.study.file import Items, Map, Mark, dump_yaml
-from pounding_cli.study.motions import MotionReader
-from pounding_cli.study.quantity import ACCELERATION
+from pounding_cli.study.construct.motions import MotionReader
+from pounding_cli.study.schema.quantity import ACCELERATION
+from pounding_cli.study.text.file import Items, Map, Mark, dump_yaml
 
 if TYPE_CHECKING:
     from pounding_cli.questions.gap.question import Gap
@@ -185,7 +185,7 @@ class Street:
         Raises InputError: with rows and columns of the table, or the options of the command.
         """
         from pounding_cli.questions import study_model
-        from pounding_cli.study.study import build_study
+        from pounding_cli.study.load import build_study
 
         tree = self._build_tree(pair)
         text = self.format_study(pair) + "".join(f"# {line}\n" for line in self.text.splitlines())

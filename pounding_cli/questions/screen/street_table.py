@@ -22,10 +22,10 @@ from pounding_cli.model.archetypes import DESIGNS, list_types
 from pounding_cli.questions.screen.designs import ZONES, find_design
 from pounding_cli.questions.screen.street import LEFT, MIN_PGA, RIGHT, Cell, NeighbourPair, Settings, Street, mark_map
 from pounding_cli.records.declaration import SEPARATOR_NAMES
-from pounding_cli.study.file import Map, Mark, Problems, dump_yaml, nearest, parse_value
-from pounding_cli.study.issues import Issue, IssuesFound
-from pounding_cli.study.quantity import ACCELERATION, GAP, LENGTH, Quantity
-from pounding_cli.study.written import read_spec
+from pounding_cli.study.construct.written import read_spec
+from pounding_cli.study.schema.quantity import ACCELERATION, GAP, LENGTH, Quantity
+from pounding_cli.study.text.file import Map, Mark, Problems, dump_yaml, nearest, parse_value
+from pounding_cli.study.text.issues import Issue, IssuesFound
 
 MAX_PAIRS = 10_000
 

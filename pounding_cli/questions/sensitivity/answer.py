@@ -15,7 +15,7 @@ from pounding_cli.questions.frames import PURE_NUMBER, build_swept_frame, list_s
 from pounding_cli.questions.sensitivity.indices import compute_probability, find_most_influential
 from pounding_cli.questions.sensitivity.tables import SAMPLE_COLUMNS, SAMPLES
 from pounding_cli.study import Plan
-from pounding_cli.study.varied_inputs import MOTION
+from pounding_cli.study.vary.inputs import MOTION
 from pounding_cli.tables import Column, Table, build_table
 
 if TYPE_CHECKING:

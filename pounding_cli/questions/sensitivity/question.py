@@ -41,19 +41,19 @@ from pounding_cli.questions.sensitivity.tables import (
 from pounding_cli.questions.statements import iter_evaluated, read_statements
 from pounding_cli.results.arrays import ResultArrays
 from pounding_cli.study import Plan, Study, make_plan
-from pounding_cli.study.archetypes import KEY as ARCHETYPE
-from pounding_cli.study.archetypes import list_seen
-from pounding_cli.study.axes import sweep_maps
-from pounding_cli.study.comparison import Comparison, parse_comparison
-from pounding_cli.study.expression import Expression, parse_expression
-from pounding_cli.study.statements import iter_comparisons
-from pounding_cli.study.varied_inputs import MotionInput, choose_option
-from pounding_cli.study.vary import read_uncertain
+from pounding_cli.study.expressions.comparison import Comparison, parse_comparison
+from pounding_cli.study.expressions.expression import Expression, parse_expression
+from pounding_cli.study.expressions.statements import iter_comparisons
+from pounding_cli.study.schema.archetypes import KEY as ARCHETYPE
+from pounding_cli.study.schema.archetypes import list_seen
+from pounding_cli.study.vary.axes import sweep_maps
+from pounding_cli.study.vary.inputs import MotionInput, choose_option
+from pounding_cli.study.vary.uncertain import read_uncertain
 from pounding_cli.tables import build_table
 
 if TYPE_CHECKING:
     from pounding_cli.batch.solve import Solver
-    from pounding_cli.study.file import Map
+    from pounding_cli.study.text.file import Map
 
 BASE_SAMPLES = {"sobol": 256, "morris": 32}
 """Base samples unless the study says how many."""

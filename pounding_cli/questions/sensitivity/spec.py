@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from typing import Annotated, Literal
 
 from pounding_cli.questions.specs import CONFIDENCE_QUANTITY, EXPRESSION, EXPRESSION_COLUMNS, SEED, STATEMENT
-from pounding_cli.study.base import Model, SpecIssue, one_or_many, spec_field
-from pounding_cli.study.quantity import WholeNumber
+from pounding_cli.study.schema.base import Model, SpecIssue, one_or_many, spec_field
+from pounding_cli.study.schema.quantity import WholeNumber
 
 
 class SensitivitySpec(Model):

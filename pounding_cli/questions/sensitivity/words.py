@@ -12,11 +12,11 @@ from pounding_cli.questions.frames import FOUND
 from pounding_cli.questions.sensitivity.tables import INDICES, OUTPUTS, PERCENTILES, PROBABILITIES, SAMPLES
 from pounding_cli.report.background import STIFFNESS_KEY
 from pounding_cli.report.evidence import Evidence, find_nominal
-from pounding_cli.study.archetypes import KEY as ARCHETYPE
-from pounding_cli.study.archetypes import is_sample_key
 from pounding_cli.study.display import key_words
-from pounding_cli.study.varied_inputs import MOTION
-from pounding_cli.study.vary import ANY, BOOTSTRAP
+from pounding_cli.study.schema.archetypes import KEY as ARCHETYPE
+from pounding_cli.study.schema.archetypes import is_sample_key
+from pounding_cli.study.vary.inputs import MOTION
+from pounding_cli.study.vary.uncertain import ANY, BOOTSTRAP
 from pounding_cli.tables import Column, Row, Table
 
 if TYPE_CHECKING:

@@ -1,0 +1,1 @@
+"""What is doubtful in a study, and what `pound check` says of it."""

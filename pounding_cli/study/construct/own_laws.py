@@ -1,0 +1,105 @@
+"""Laws of links that a study writes itself, as a formula under `laws`."""
+
+from __future__ import annotations
+
+import keyword
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from pounding_cli.laws import link_laws
+from pounding_cli.laws.apart import Apart
+from pounding_cli.laws.formula import FORMULA_VARIABLES, WRITTEN_LAWS, FormulaError, WrittenLaw
+from pounding_cli.study.schema.links import NO_LINK
+from pounding_cli.study.text.file import Map, QuotedText, get, locate
+from pounding_cli.study.text.issues import Issue, IssuesFound, KeyPath
+
+_TRIAL_GAP = 0.01
+"""Gap [m] at which a formula is tried when it is read."""
+
+
+@dataclass(frozen=True)
+class OwnLaw:
+    """A law of the study's own.
+
+    formula : its force
+    constants : name, value in SI and powers of kg, m and s of every parameter
+    """
+
+    name: str
+    formula: str
+    constants: tuple[tuple[str, float, Any], ...]
+    acts: str
+    tension_cut: bool
+
+    @property
+    def is_contact(self) -> bool:
+        """True of a law that acts across a gap, as floors that strike each other do."""
+        return bool(WRITTEN_LAWS[self.acts].subtracts_gap)
+
+    def build(self, gap: float) -> WrittenLaw:
+        """Return the law across a gap [m].  Raises FormulaError, ValueError: the formula cannot be read."""
+        return WRITTEN_LAWS[self.acts](
+            gap, called=self.name, formula=self.formula, constants=self.constants, tension_cut=self.tension_cut
+        )
+
+
+def build_own_laws(specs: Mapping[str, Any], tree: Map) -> dict[str, OwnLaw]:
+    """Return the laws of a study by name.
+
+    tree : the file, whose places a formula that cannot be read is told by
+
+    Raises
+    ------
+    IssuesFound : a name is taken, or a formula cannot be read
+    """
+    issues: list[Issue] = []
+    laws: dict[str, OwnLaw] = {}
+    for name, spec in specs.items():
+        path: KeyPath = ("laws", name)
+        if name in (*link_laws(), NO_LINK, Apart.name):
+            message = f"'{name}' is a law of this program"
+            issues.append(Issue(path, message, "give yours another name", at_key=True))
+            continue
+        constants = tuple((key, value.value, value.dimension) for key, value in spec.parameters.items())
+        law = OwnLaw(name, spec.force.strip(), constants, spec.acts, spec.tension_cut)
+        found = _find_bad_parameters(spec, path) or _try_formula(law, path, tree)
+        issues += found
+        laws[name] = law
+    if issues:
+        raise IssuesFound(issues)
+    return laws
+
+
+def _find_bad_parameters(spec: Any, path: KeyPath) -> list[Issue]:
+    """Return an issue for every parameter that a formula cannot name."""
+    issues = []
+    for parameter in spec.parameters:
+        if not parameter.isidentifier() or keyword.iskeyword(parameter) or parameter in (*FORMULA_VARIABLES, "sqrt"):
+            hint = f"write a name of letters, digits and _ other than {', '.join(FORMULA_VARIABLES)} and sqrt"
+            key_path = (*path, "parameters", parameter)
+            issues.append(Issue(key_path, f"'{parameter}' cannot be a parameter", hint, at_key=True))
+    return issues
+
+
+def _try_formula(law: OwnLaw, path: KeyPath, tree: Map) -> list[Issue]:
+    """Return what is wrong with a formula, at its place in the text."""
+    key_path = (*path, "force")
+    try:
+        law.build(_TRIAL_GAP)
+    except FormulaError as error:
+        return [Issue(key_path, f"force: {error.message}", error.hint, offset=_find_offset(error, key_path, tree))]
+    except ValueError as error:
+        return [Issue(key_path, str(error), "write a shorter formula")]
+    return []
+
+
+def _find_offset(error: FormulaError, path: KeyPath, tree: Map) -> int:
+    """Return the place of an error in characters behind the beginning of a formula; 0 in Python data and in blocks."""
+    text = get(tree, *path)
+    _, column = locate(tree, path)
+    if not isinstance(text, str):  # a number, of which the schema makes the formula
+        return 0
+    if error.line != 0 or "\n" in text or not isinstance(column, int):
+        return 0
+    return error.column + len(text) - len(text.lstrip()) + isinstance(text, QuotedText)

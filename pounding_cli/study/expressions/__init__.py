@@ -1,0 +1,1 @@
+"""Quantities of results in words: expressions, comparisons, limits and statements."""

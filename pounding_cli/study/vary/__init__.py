@@ -1,0 +1,1 @@
+"""What varies: axes of the sweep, ranges, dotted keys, uncertain and searched values."""
