@@ -23,7 +23,8 @@ from typing import Any
 import numpy as np
 import yaml
 
-from pounding_cli.records.motion import GRAVITY, Motion, arias, cumulative_arias, oscillator, spectrum, velocity
+from pounding_cli.records.motion import Motion, arias, cumulative_arias, oscillator, spectrum, velocity
+from pounding_cli.units import GRAVITY
 
 CATALOGUE = Path(__file__).parents[1] / "records" / "catalogue.yaml"
 DIGITS = 6

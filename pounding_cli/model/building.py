@@ -16,15 +16,13 @@ from pounding_cli.laws.slider import Slider
 from pounding_cli.laws.storey import StoreyLaw
 from pounding_cli.model.plan import FloorPlan, FrameLine
 from pounding_cli.numbers import pluralize
-from pounding_cli.records.motion import GRAVITY
+from pounding_cli.units import GRAVITY
 
 NO_RESISTANCE = 1e-12
 """Part of the product of the stiffnesses in drift and twist [-] below which their determinant is rounding."""
 
 DEFAULT_COLLAPSE_RATIO = 0.10
 """Drift over storey height at which a storey counts as collapsed, where a building does not say it [-]."""
-
-_LAW_FIELDS = "storey_law", "law_parameters"
 
 
 class UnstableError(ValueError):
@@ -372,19 +370,14 @@ class Building:
         """SHA-256 over everything that moves the building; the name is left out."""
         sha = hashlib.sha256()
         for each in fields(self):
-            value = getattr(self, each.name)
             if each.name in ("name", *self.meeting_fields):
                 continue
-            if each.name in _LAW_FIELDS and self.storey_law is Bilinear:
-                continue  # bilinear storeys have the digest that they had before there were others
-            if each.name in ("gravity_load", "collapse", "plan") and value is None:
-                continue  # nor do these change the digests of buildings without them
-            if each.name == "plan":
+            value = getattr(self, each.name)
+            if isinstance(value, FloorPlan):
                 value = value.identity
-            if each.name == "storey_law":
+            elif each.name == "storey_law":
                 value = self.storey_law.name
-            if each.name in ("gravity_load", "collapse"):
-                sha.update(each.name.encode())
+            sha.update(f"{each.name}: ".encode())
             sha.update(value.tobytes() if isinstance(value, np.ndarray) else repr(value).encode())
         if self.foundation is not None and self.foundation.isolation is not None:
             sha.update(self.foundation.isolation.identity.encode())

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pounding_cli.records.motion import GRAVITY
+from pounding_cli.units import GRAVITY
 
 
 class Design:

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from pounding_cli.model.building import Building
 from pounding_cli.model.plan import FloorPlan
 from pounding_cli.records.code_spectra import ASCE7, EN1998, GB50011, NTC2018
-from pounding_cli.records.motion import GRAVITY
+from pounding_cli.units import GRAVITY
 
 
 def absolute_sum(left: ArrayLike, right: ArrayLike) -> np.ndarray:

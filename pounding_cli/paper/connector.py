@@ -15,8 +15,9 @@ from pounding_cli.numbers import Unit
 from pounding_cli.paper.points import PointAnswer, PointCommand, SweepPoint, build_variable, describe_extremes
 from pounding_cli.report.style import finish, panels, with_style
 from pounding_cli.study.construct.complete_links import DEFAULT_RESTITUTION
-from pounding_cli.study.schema.base import Model, SpecIssue, spec_field
+from pounding_cli.study.schema.base import Model, spec_field
 from pounding_cli.study.schema.quantity import MASS, STIFFNESS, TIME, ParsedText, Quantity, WholeNumber
+from pounding_cli.study.text.issues import Issue
 from pounding_cli.tables import Column
 
 if TYPE_CHECKING:
@@ -114,7 +115,7 @@ class ConnectorStudySpec(Model):
     frequencies: FrequenciesSpec = FrequenciesSpec()
     sweep: Any = spec_field(None, "keys and the values they take", {"damping": ["5 %", "10 %"]})
 
-    def issues(self) -> Iterator[SpecIssue]:
+    def issues(self) -> Iterator[Issue]:
         """Yield keys that give one quantity twice or not at all, and a range of frequencies without extent."""
         kinds = ("period", "stiffness", "frequency_ratio")
         for name, keys in {"first": kinds, "second": kinds, "connector": ("damping_ratio", "dashpot")}.items():
@@ -122,13 +123,15 @@ class ConnectorStudySpec(Model):
             if len(given_keys) > 1:
                 first, second = given_keys[:2]
                 message = f"'{first}' and '{second}' cannot both be given"
-                yield (name, second), message, "remove one", True
+                yield Issue((name, second), message, "remove one", at_key=True)
             if name == "second" and not given_keys:
-                yield (name,), "the second system has no frequency", "add `frequency_ratio: 0.6`, or a period"
+                yield Issue((name,), "the second system has no frequency", "add `frequency_ratio: 0.6`, or a period")
         if self.first.frequency_ratio is not None:
-            yield ("first", "frequency_ratio"), "the ratio is that of the second system", "write a period", True
+            yield Issue(
+                ("first", "frequency_ratio"), "the ratio is that of the second system", "write a period", at_key=True
+            )
         if self.frequencies.low >= self.frequencies.high:
-            yield ("frequencies",), "'low' is not below 'high'", "write e.g. {low: 0.2, high: 1.6}"
+            yield Issue(("frequencies",), "'low' is not below 'high'", "write e.g. {low: 0.2, high: 1.6}")
 
 
 class OscillatorPair(NamedTuple):

@@ -10,8 +10,9 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field
 
 from pounding_cli.records.hazard import HazardColumns
-from pounding_cli.study.schema.base import Model, SpecIssue, one_or_many, spec_field, tagged_union
+from pounding_cli.study.schema.base import Model, one_or_many, spec_field, tagged_union
 from pounding_cli.study.schema.quantity import TIME, ParsedText, Quantity, WholeNumber, quote, refuse, written_unit
+from pounding_cli.study.text.issues import Issue
 
 SEED = Annotated[int, WholeNumber(1, 2**31 - 1)]
 EXPRESSION_COLUMNS = (
@@ -76,21 +77,32 @@ class HazardFile(Model):
     decimal: Literal[".", ","] | None = spec_field(None, "decimal sign; default: a point")
     thousands: Literal[",", ".", "'", " "] | None = spec_field(None, "sign between thousands; default: none")
 
-    def issues(self) -> Iterator[SpecIssue]:
+    def issues(self) -> Iterator[Issue]:
         given = [key for key in ("rate", "probability") if getattr(self, key) is not None]
         if len(given) == 2:
-            yield ("probability",), "a hazard curve has rates or probabilities", "remove `rate` or `probability`", True
+            yield Issue(
+                ("probability",),
+                "a hazard curve has rates or probabilities",
+                "remove `rate` or `probability`",
+                at_key=True,
+            )
         elif self.intensity is not None and not given:
             hint = "write e.g. `rate: 2`, or `probability: 2, years: 50`"
-            yield ("intensity",), "nothing says which column holds the annual rates", hint, True
+            yield Issue(("intensity",), "nothing says which column holds the annual rates", hint, at_key=True)
         elif given and self.intensity is None:
-            yield (given[0],), "nothing says which column holds the intensities", "write e.g. `intensity: 1`", True
+            yield Issue(
+                (given[0],), "nothing says which column holds the intensities", "write e.g. `intensity: 1`", at_key=True
+            )
         elif given and getattr(self, given[0]) == self.intensity:
-            yield (given[0],), f"column {self.intensity} holds the intensities", "write another column"
+            yield Issue((given[0],), f"column {self.intensity} holds the intensities", "write another column")
         if self.probability is not None and self.years is None:
-            yield ("probability",), "probabilities are those of some years", "write e.g. `years: 50`", True
+            yield Issue(
+                ("probability",), "probabilities are those of some years", "write e.g. `years: 50`", at_key=True
+            )
         if self.years is not None and self.probability is None:
-            yield ("years",), "`years` belongs to `probability`", "write `probability:` in place of `rate:`", True
+            yield Issue(
+                ("years",), "`years` belongs to `probability`", "write `probability:` in place of `rate:`", at_key=True
+            )
 
     def declare(self) -> HazardColumns:
         """Return what is declared of the file."""

@@ -15,7 +15,7 @@ from pounding_cli.records.catalogue import (
 )
 from pounding_cli.records.code_spectra import CODES, CodeSpectrum
 from pounding_cli.records.declaration import BASELINES, SEPARATOR_NAMES, Declaration, write_file
-from pounding_cli.records.motion import GRAVITY, Motion, arias, displacement, pgv, significant_duration, spectrum
+from pounding_cli.records.motion import Motion, arias, displacement, pgv, significant_duration, spectrum
 from pounding_cli.records.motion_sets import (
     INSTALL_COMMAND,
     MOTION_SETS,
@@ -29,7 +29,7 @@ from pounding_cli.records.motion_sets import (
 )
 from pounding_cli.records.proposal import Proposal, propose_file
 from pounding_cli.records.reading import MOTION_FORMATS, PLAIN, Reading, read_file
-from pounding_cli.records.samples import MotionWarning
 from pounding_cli.records.scaling import SpectrumMatch, TargetSpectrum, arias_factor, scale_factor, spectrum_factors
 from pounding_cli.records.sines import Sine
 from pounding_cli.records.units import ACCELERATION_UNITS, USUAL_UNITS, find_acceleration_unit
+from pounding_cli.units import GRAVITY

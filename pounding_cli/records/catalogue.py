@@ -20,8 +20,9 @@ from typing import Any
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.records.declaration import Declaration
-from pounding_cli.records.motion import GRAVITY, Motion, arias
+from pounding_cli.records.motion import Motion, arias
 from pounding_cli.records.reading import read_file
+from pounding_cli.units import GRAVITY
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from pounding_cli.units import GRAVITY as GRAVITY  # others take it from here
+from pounding_cli.units import GRAVITY
 
 SPECTRUM_DAMPING = 0.05
 """Damping ratio of every spectrum by default [-]."""

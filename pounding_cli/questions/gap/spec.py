@@ -9,8 +9,9 @@ from pydantic import BeforeValidator
 
 from pounding_cli.model.separation import CODE_RULES, GB_SHARE, GB_STEP, CodeRule
 from pounding_cli.questions.specs import ANNUAL_RATE, HAZARD_DESCRIPTION, Hazards, percents
-from pounding_cli.study.schema.base import Model, SpecIssue, one_or_many, spec_field
+from pounding_cli.study.schema.base import Model, one_or_many, spec_field
 from pounding_cli.study.schema.quantity import ACCELERATION, ParsedText, Quantity, WholeNumber, refuse, written_unit
+from pounding_cli.study.text.issues import Issue
 
 
 class Gb50011Spec(Model):
@@ -89,9 +90,11 @@ class GapSpec(Model):
     )
     rate: Annotated[float, ANNUAL_RATE] | None = spec_field(None, "annual rate of contact: the gap for it", "1/2475")
 
-    def issues(self) -> Iterator[SpecIssue]:
+    def issues(self) -> Iterator[Issue]:
         if self.rate is not None and self.hazard is None:
-            yield ("rate",), "'rate' needs a hazard curve", "write `hazard: {0.1 g: 0.02, 0.4 g: 1/475}` beside it"
+            yield Issue(
+                ("rate",), "'rate' needs a hazard curve", "write `hazard: {0.1 g: 0.02, 0.4 g: 1/475}` beside it"
+            )
 
     def select_rules(self) -> list[tuple[CodeRule, dict[str, Any]]]:
         """Return the rules of codes that may say something, each with its settings."""

@@ -12,7 +12,7 @@ import pandas as pd
 from pounding_cli.questions.expression_words import describe_output
 from pounding_cli.questions.optimise.question import NO_OPTIMUM
 from pounding_cli.questions.optimise.tables import OPTIMUM, SEARCHED_POINTS
-from pounding_cli.questions.optimise.words import MAX_KEYS, key_unit, list_sentences, sought_unit
+from pounding_cli.questions.optimise.words import MAX_KEYS, find_goal, key_unit, list_sentences, sought_unit
 from pounding_cli.report.document import Picture
 from pounding_cli.report.evidence import describe_motions, find_nominal
 from pounding_cli.report.style import finish, grid, is_for_page, name_axis, shared_legend, with_style
@@ -50,7 +50,7 @@ def draw_optimum(results: ResultTables) -> Figure:
     lines = [points[is_best.drop(columns=row["key"]).all(axis=1) & points["value"].notna()] for row in rows]
     values = pd.concat([*(line["value"] for line in lines), keys["optimum"], keys["as_written"]]).dropna()
     room = 0.05 * float(np.ptp(values)) or 0.01 * abs(values.iloc[0]) or 1.0
-    sought = sought_unit(results).label(describe_output(rows[0]["sought"].partition(" ")[2]))
+    sought = sought_unit(results).label(describe_output(find_goal(results)[1]))
     figure, axes = grid(len(rows), 3.3, 2.7, textwrap.fill(sought, 36))
     for ax, row, line in zip(axes, rows, lines, strict=True):
         _draw_key(ax, row, points, line)

@@ -8,8 +8,9 @@ from typing import Annotated, Any, Literal
 from pydantic import WithJsonSchema
 
 from pounding_cli.questions.specs import EXPRESSION, EXPRESSION_COLUMNS, SEED, STATEMENT
-from pounding_cli.study.schema.base import Model, SpecIssue, mapping_schema, one_or_many, spec_field
+from pounding_cli.study.schema.base import Model, mapping_schema, one_or_many, spec_field
 from pounding_cli.study.schema.quantity import WholeNumber
+from pounding_cli.study.text.issues import Issue
 
 _END = {"type": ["number", "string"]}
 _SEARCHED = mapping_schema("from", "to", **{"from": _END, "to": _END}, spacing={"enum": ["linear", "log"]})
@@ -55,10 +56,12 @@ class OptimiseSpec(Model):
     slice_points: Annotated[int, WholeNumber(5, 1001)] = spec_field(21, "points along each key through the optimum")
     seed: SEED = spec_field(1, "seed of the search")
 
-    def issues(self) -> Iterator[SpecIssue]:
+    def issues(self) -> Iterator[Issue]:
         if self.least is not None and self.most is not None:
-            yield ("most",), "'least' and 'most' both stand here: give one of them", "remove one of the two", True
+            yield Issue(
+                ("most",), "'least' and 'most' both stand here: give one of them", "remove one of the two", at_key=True
+            )
         points = self.generations * (self.population or 0)
         if points > 200_000:
             message = f"generations and population make {points} points"
-            yield ("generations",), message, "keep it to 200000: write fewer"
+            yield Issue(("generations",), message, "keep it to 200000: write fewer")

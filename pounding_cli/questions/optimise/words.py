@@ -47,9 +47,9 @@ def list_sentences(results: ResultTables) -> list[str]:
     """Return the best values with the number sought, the contacts that are left, and what the optimum makes worse."""
     first = _first_row(results)
     if first["outcome"] == NOT_MET:
-        return [f"{_name_goal(first)}: there is no answer, since {NOT_MET}: {first['required']}, under every motion."]
+        return [f"{_name_goal(results)}: there is no answer, since {NOT_MET}: {first['required']}, under every motion."]
     if first["outcome"] in NO_OPTIMUM:
-        return [f"{_name_goal(first)}: there is no answer, since {first['outcome']} that means something."]
+        return [f"{_name_goal(results)}: there is no answer, since {first['outcome']} that means something."]
     further = [_describe_required(first), describe_remainder(results), describe_losses(results)]
     return [describe_optimum(results), *filter(None, further)]
 
@@ -109,21 +109,22 @@ def _first_row(results: ResultTables) -> Row:
     return results.answer(OPTIMUM).frame.iloc[0].to_dict()
 
 
-def _split_goal(row: Row) -> tuple[str, str]:
-    """Return "least" or "most", and the expression."""
-    direction, _, expression = str(row["sought"]).partition(" ")
-    return direction, expression
+def find_goal(results: ResultTables) -> tuple[bool, str]:
+    """Return whether the least is sought, not the most, and of which expression."""
+    settings = results.study_data["optimise"]
+    is_least = settings["least"] is not None
+    return is_least, settings["least" if is_least else "most"]
 
 
-def _name_goal(row: Row) -> str:
+def _name_goal(results: ResultTables) -> str:
     """Return what is sought: "Least value of largest μ"."""
-    direction, expression = _split_goal(row)
-    return f"{'Least' if direction == 'least' else 'Largest'} value of {describe_output(expression)}"
+    is_least, expression = find_goal(results)
+    return f"{'Least' if is_least else 'Largest'} value of {describe_output(expression)}"
 
 
 def sought_unit(results: ResultTables) -> Unit:
     """Return the unit in which people read the number sought."""
-    _, expression = _split_goal(_first_row(results))
+    _, expression = find_goal(results)
     return find_output_unit(results, expression, results.answer(OPTIMUM).column("optimum").unit.si)
 
 
@@ -135,7 +136,7 @@ def key_unit(results: ResultTables, key: str) -> Unit:
 def describe_optimum(results: ResultTables) -> str:
     """Return the best values and the number sought there, in place of that of the study as written."""
     first = _first_row(results)
-    _, expression = _split_goal(first)
+    is_least, expression = find_goal(results)
     unit = sought_unit(results)
     best = Column("optimum", unit=unit, digits=5).format_with_unit(first)
     error = first["error"] / unit.factor
@@ -143,7 +144,7 @@ def describe_optimum(results: ResultTables) -> str:
     number = best.replace(f" {unit.name}", f"{worth} {unit.name}") if unit.name else f"{best}{worth}"
     over = [describe_reduction(results), ON_CONTACT if _is_on_contact(results, _design_rows(results)[0]) else ""]
     brackets = f" ({', '.join(filter(None, over))})" if any(over) else ""
-    comparison = _compare_with_written(first, unit)
+    comparison = _compare_with_written(first, unit, is_least)
     return f"{_name_best_values(results)}: {describe_output(expression)} {number}{comparison}{brackets}."
 
 
@@ -178,12 +179,11 @@ def _format_key_value(results: ResultTables, row: Row, number: str, option: str)
     return row[option] or (NOTHING if math.isnan(row[number]) else key_unit(results, row["key"]).text(row[number], 4))
 
 
-def _compare_with_written(row: Row, unit: Unit) -> str:
+def _compare_with_written(row: Row, unit: Unit, is_least: bool) -> str:
     """Return how the optimum compares with the study as written: " in place of 1.38 as written, 24 % lower"."""
     written = row["as_written"]
     if math.isnan(written):
         return "; the study as written has no value"
-    direction, _ = _split_goal(row)
     change = row["optimum"] - written
     if abs(change) <= _SAME * abs(written):
         return ", as good as the study as written"
@@ -191,7 +191,7 @@ def _compare_with_written(row: Row, unit: Unit) -> str:
     if written != 0:
         percent = Unit("%").text(100 * abs(change / written), 2)
         words += f", {percent} {'lower' if change < 0 else 'higher'}"
-    if (change > 0) == (direction == "least"):
+    if (change > 0) == is_least:
         reason = "which does not meet what is required" if row["written_unmet"] else "outside what was searched"
         words += f": the study as written, {reason}, is better"
     return words
@@ -331,11 +331,11 @@ def describe_losses(results: ResultTables) -> str:
 
     Where the most is sought, quantities of the expression are larger by intention.
     """
-    direction, expression = _split_goal(_first_row(results))
+    is_least, expression = find_goal(results)
     sought = set(expression.split()) & set(QUANTITIES)
     losses = []
     for row in _design_rows(results)[1:]:
-        is_intended = direction == "most" and bool(sought & set(row["quantity"].split()))
+        is_intended = not is_least and bool(sought & set(row["quantity"].split()))
         if row["quantity"] in _NO_DEMANDS or is_intended:
             continue
         if row["optimum"] > (1 + NOTICED) * row["as_written"]:

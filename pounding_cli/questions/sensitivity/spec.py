@@ -6,8 +6,9 @@ from collections.abc import Iterator
 from typing import Annotated, Literal
 
 from pounding_cli.questions.specs import CONFIDENCE_QUANTITY, EXPRESSION, EXPRESSION_COLUMNS, SEED, STATEMENT
-from pounding_cli.study.schema.base import Model, SpecIssue, one_or_many, spec_field
+from pounding_cli.study.schema.base import Model, one_or_many, spec_field
 from pounding_cli.study.schema.quantity import WholeNumber
+from pounding_cli.study.text.issues import Issue
 
 
 class SensitivitySpec(Model):
@@ -41,8 +42,8 @@ class SensitivitySpec(Model):
     )
     seed: SEED = spec_field(1, "seed of samples and draws")
 
-    def issues(self) -> Iterator[SpecIssue]:
+    def issues(self) -> Iterator[Issue]:
         if self.method == "sobol" and self.samples is not None and self.samples & (self.samples - 1):
             low = 1 << (self.samples.bit_length() - 1)
             message = f"{self.samples} samples: Sobol's sequence is even only at powers of 2"
-            yield ("samples",), message, f"write {low} or {2 * low}"
+            yield Issue(("samples",), message, f"write {low} or {2 * low}")

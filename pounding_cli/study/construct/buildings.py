@@ -13,7 +13,7 @@ from pounding_cli.model.code_design import BaseShearDesign, Design, UbcDesign
 from pounding_cli.model.separation import CODE_RULES, UBC, edge_displacement
 from pounding_cli.model.stiffness import frequencies, rayleigh_factors, stiffness_for_period
 from pounding_cli.model.wall import UNLIMITED_HEIGHT, Wall
-from pounding_cli.study.construct.floor_plans import PlanError, build_plan, sum_stiffness, sum_yield_shear
+from pounding_cli.study.construct.floor_plans import build_plan, sum_stiffness, sum_yield_shear
 from pounding_cli.study.schema.building import BaseShearSpec, BuildingSpec, StiffnessAtSpec
 from pounding_cli.study.schema.links import own_parameters
 from pounding_cli.study.text.issues import Issue, IssuesFound
@@ -29,8 +29,8 @@ def build_building(name: str, spec: BuildingSpec) -> Building:
     try:
         with np.errstate(all="ignore"):  # what is not finite in the end is refused
             return _build_wall(name, spec.wall) if spec.wall is not None else _build_frame(name, spec)
-    except PlanError as error:
-        raise IssuesFound([Issue(("buildings", name, "plan", *error.key), str(error), error.hint)]) from None
+    except IssuesFound as refused:
+        raise refused.below("buildings", name, "plan") from None
     except (ValueError, ArithmeticError) as error:
         path = ("buildings", name, "p_delta") if isinstance(error, UnstableError) else ("buildings", name)
         parts = "period, stiffness" if spec.plan is None else "period, stiffness, plan"

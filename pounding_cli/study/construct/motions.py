@@ -456,7 +456,7 @@ def _iter_doubts(vertical: Sequence[str], readings: Sequence[records.Reading]) -
     if vertical:
         hint = "name the horizontal ones, e.g. `{file: motions/*.NS}`"
         yield f"named like vertical components, will shake the buildings sideways: {join_limited(vertical)}", hint
-    doubts: dict[records.MotionWarning, list[str]] = {}
+    doubts: dict[Problem, list[str]] = {}
     for each in readings:
         for doubt in each.doubts:
             doubts.setdefault(doubt, []).append(each.motion.name)

@@ -163,7 +163,7 @@ def build_study_spec(specs: dict[KeyPath, Any], issues: Issues, model: type[Stud
     for name in ENTRIES:
         sections[name] = {path[1]: spec for path, spec in specs.items() if path[0] == name}
     spec = model.model_construct(**sections)
-    issues.add_written(Issue(path, message, hint, bool(key and key[0])) for path, message, hint, *key in spec.issues())
+    issues.add_written(spec.issues())
     return spec
 
 

@@ -8,9 +8,10 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator
 
 from pounding_cli.model.archetypes import DESIGNS, find_archetype, list_designs, list_types
-from pounding_cli.study.schema.base import Model, SpecIssue, spec_field
+from pounding_cli.study.schema.base import Model, spec_field
 from pounding_cli.study.schema.quantity import WholeNumber, quote, refuse
 from pounding_cli.study.text.file import nearest
+from pounding_cli.study.text.issues import Issue
 
 DEFAULT_NEIGHBOURS = 30
 """Buildings that a neighbour may be, unless a study says how many."""
@@ -49,15 +50,15 @@ class ArchetypeSpec(Model):
         0, "one of these buildings by its number; 0: the median building, which `pound run` has"
     )
 
-    def issues(self) -> Iterator[SpecIssue]:
+    def issues(self) -> Iterator[Issue]:
         designs = list_designs(self.type)
         if self.design not in designs:
             message = f"HAZUS has no {self.design} design of {self.type}"
-            yield ("design",), message, f"write {' or '.join(designs)}"
+            yield Issue(("design",), message, f"write {' or '.join(designs)}")
             return
         if self.sample > self.neighbours:
             message = f"'sample' is {self.sample}, but only {self.neighbours} buildings are drawn"
-            yield ("sample",), message, f"write 0 to {self.neighbours}, or a larger number of `neighbours`"
+            yield Issue(("sample",), message, f"write 0 to {self.neighbours}, or a larger number of `neighbours`")
 
     def find(self) -> Any:
         """Return the building type at its design level (`model.archetypes.Archetype`)."""

@@ -21,15 +21,13 @@ from pydantic import (
 from pydantic_core import InitErrorDetails
 
 from pounding_cli.study.schema.quantity import refuse
+from pounding_cli.study.text.issues import Issue
 
 Name = Annotated[str, StringConstraints(pattern=r"^\w[\w +-]*$", max_length=60, strip_whitespace=True)]
 """A name that dotted keys lead through, as `cases.near.gap`; so it has no dot."""
 
 LabelText = Annotated[str, StringConstraints(pattern=r"^\w[\w +.-]*$", max_length=60, strip_whitespace=True)]
 """A name that no dotted key leads through."""
-
-SpecIssue = tuple[tuple[str | int, ...], str, str] | tuple[tuple[str | int, ...], str, str, bool]
-"""Where in a mapping, what is wrong, what to write, whether it stands at the key."""
 
 
 def spec_field(default: Any, description: str, example: Any = None, **more: Any) -> Any:
@@ -77,8 +75,8 @@ class Model(BaseModel):
         extra="forbid", frozen=True, coerce_numbers_to_str=True, validate_default=True, defer_build=True
     )
 
-    def issues(self) -> Iterator[SpecIssue]:
-        """Yield what is wrong with the mapping as a whole."""
+    def issues(self) -> Iterator[Issue]:
+        """Yield what is wrong with the mapping as a whole; paths are those below it."""
         yield from ()
 
     @model_validator(mode="after")
@@ -89,10 +87,10 @@ class Model(BaseModel):
         return self
 
 
-def errors(owner: Any, issues: list[SpecIssue]) -> ValidationError:
+def errors(owner: Any, issues: list[Issue]) -> ValidationError:
     """Return issues with their places inside a mapping, as pydantic collects them."""
     details = [
-        InitErrorDetails(type=refuse(text, hint, bool(key and key[0]), whole=True), loc=path, input=None)
-        for path, text, hint, *key in issues
+        InitErrorDetails(type=refuse(each.message, each.hint, each.at_key, whole=True), loc=each.path, input=None)
+        for each in issues
     ]
     return ValidationError.from_exception_data(type(owner).__name__, details)

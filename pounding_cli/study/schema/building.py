@@ -12,7 +12,7 @@ from pounding_cli.laws import storey_laws
 from pounding_cli.laws.foundation import Bearings, FrictionPendulum, Rocking, Rubber, Sway
 from pounding_cli.numbers import pluralize
 from pounding_cli.study.schema.archetype import ArchetypeSpec
-from pounding_cli.study.schema.base import Model, SpecIssue, list_or, one_or_many, spec_field, tagged_union, word_or
+from pounding_cli.study.schema.base import Model, list_or, one_or_many, spec_field, tagged_union, word_or
 from pounding_cli.study.schema.floor_plan import PlanSpec
 from pounding_cli.study.schema.links import RATIO, law_fields, own_parameters
 from pounding_cli.study.schema.quantity import (
@@ -29,6 +29,7 @@ from pounding_cli.study.schema.quantity import (
     quote,
     refuse,
 )
+from pounding_cli.study.text.issues import Issue
 
 # Buildings
 
@@ -52,15 +53,15 @@ class CodeSpec(Model):
     k: SystemK | None = spec_field(None, "system factor of UBC 1985 [-]; must be given there", alias="K")
     overstrength: Overstrength = spec_field(1.0, "factor on the yield shears [-]; the separation is unchanged")
 
-    def issues(self) -> Iterator[SpecIssue]:
+    def issues(self) -> Iterator[Issue]:
         old = self.code == "UBC-1985"
         wrong, right = ("Rw", "`K: 0.67`") if old else ("K", "`Rw: 12`")
         if (self.rw if old else self.k) is not None:
-            yield (wrong,), f"{self.code} has no {wrong}", f"write {right} in its place", True
+            yield Issue((wrong,), f"{self.code} has no {wrong}", f"write {right} in its place", at_key=True)
         elif old and self.k is None:
-            yield (), "'K' is missing: UBC-1985 needs it", "write K, e.g. `K: 0.67` for a ductile frame"
+            yield Issue((), "'K' is missing: UBC-1985 needs it", "write K, e.g. `K: 0.67` for a ductile frame")
         elif old and "zone" not in self.model_fields_set:
-            yield (), "'zone' is missing: UBC-1985 needs it", "write Z, e.g. `zone: 1` for zone 4"
+            yield Issue((), "'zone' is missing: UBC-1985 needs it", "write Z, e.g. `zone: 1` for zone 4")
 
 
 _SHEAR = replace(PLAUSIBLE_RANGES["base yield shear over weight"], name="base shear", units=WEIGHT_FACTORS)
@@ -211,12 +212,12 @@ class FoundationSpec(Model):
         """True if it translates."""
         return self.sway_stiffness is not None or self.isolation is not None
 
-    def issues(self) -> Iterator[SpecIssue]:
+    def issues(self) -> Iterator[Issue]:
         if self.sway_stiffness is not None and self.isolation is not None:
             hint = "remove one of the two: isolators stand in place of the spring"
-            yield ("sway_stiffness",), "'sway_stiffness' and 'isolation' both stand here", hint, True
+            yield Issue(("sway_stiffness",), "'sway_stiffness' and 'isolation' both stand here", hint, at_key=True)
         if self.isolation is not None and self.mass == 0:
-            yield (), "'mass' is missing: 'isolation' needs it", "write the mass of the base, e.g. `mass: 200 t`"
+            yield Issue((), "'mass' is missing: 'isolation' needs it", "write the mass of the base, e.g. `mass: 200 t`")
             return
         for stiffness, inert, dashpot in (
             ("sway_stiffness", "mass", "sway_damping"),
@@ -225,14 +226,14 @@ class FoundationSpec(Model):
             moves = self.sways if inert == "mass" else self.rocking_stiffness is not None
             if moves and getattr(self, inert) == 0:
                 hint = f"write {type(self).model_fields[inert].description}, above 0"
-                yield (), f"'{inert}' is missing: '{stiffness}' needs it", hint
+                yield Issue((), f"'{inert}' is missing: '{stiffness}' needs it", hint)
             for name in (inert, dashpot):
                 if not moves and getattr(self, name) > 0:
                     message = f"'{name}' has no effect without '{stiffness}'"
-                    yield (name,), message, f"give '{stiffness}' too, or remove it"
+                    yield Issue((name,), message, f"give '{stiffness}' too, or remove it")
         if not self.sways and self.rocking_stiffness is None:
             hint = "give 'sway_stiffness' or 'rocking_stiffness', or write `foundation: fixed`"
-            yield (), "this foundation cannot move", hint
+            yield Issue((), "this foundation cannot move", hint)
 
 
 def _one_or_each(quantity: Quantity) -> Any:
@@ -295,13 +296,15 @@ class WallSpec(Model):
         0.0, "dashpot of the soil [N s/m]"
     )
 
-    def issues(self) -> Iterator[SpecIssue]:
+    def issues(self) -> Iterator[Issue]:
         if self.stiffness is not None and self.mass is None:
-            yield (), "'mass' is missing: 'stiffness' needs it", "write what moves on the soil, e.g. `mass: 50 t`"
+            yield Issue(
+                (), "'mass' is missing: 'stiffness' needs it", "write what moves on the soil, e.g. `mass: 50 t`"
+            )
         for name in ("mass", "damping"):
             if self.stiffness is None and getattr(self, name):
                 hint = "give 'stiffness' too, or remove it: without it the wall moves as the ground does"
-                yield (name,), f"'{name}' has no effect without 'stiffness'", hint
+                yield Issue((name,), f"'{name}' has no effect without 'stiffness'", hint)
 
 
 class _BuildingSpec(Model):
@@ -404,7 +407,7 @@ class _BuildingSpec(Model):
         """True where the lines of its plan give the stiffness of its storeys."""
         return self.plan is not None and self.plan.gives_stiffness
 
-    def _find_plan_issues(self) -> Iterator[SpecIssue]:
+    def _find_plan_issues(self) -> Iterator[Issue]:
         """Yield what is said both in the plan and beside it."""
         if self.plan is None:
             return
@@ -415,45 +418,45 @@ class _BuildingSpec(Model):
             if name in self.model_fields_set:
                 message = f"'{name.strip('_')}' and the lines of 'plan' both give the same"
                 hint = "remove it: the lines add up to it; or write shares in the lines"
-                yield (name.strip("_"),), message, hint, True
+                yield Issue((name.strip("_"),), message, hint, at_key=True)
 
-    def issues(self) -> Iterator[SpecIssue]:
+    def issues(self) -> Iterator[Issue]:
         if self.wall is not None:
             for name in sorted(self.model_fields_set - {"wall", "like"}):
                 shown = type(self).model_fields[name].alias or name
-                yield (shown,), f"'{shown}' does not apply to a wall", "remove it, or `wall`", True
+                yield Issue((shown,), f"'{shown}' does not apply to a wall", "remove it, or `wall`", at_key=True)
             return
         if self.archetype is not None and self.storeys != self.archetype.storeys:
             message = f"'storeys' is {self.storeys} here, but {self.archetype.storeys} in 'archetype'"
-            yield ("storeys",), message, "write the number of storeys in `archetype` alone", True
+            yield Issue(("storeys",), message, "write the number of storeys in `archetype` alone", at_key=True)
         tapered = () if isinstance(self.stiffness, StiffnessAtSpec) else (("stiffness", "taper"),)
         for one, other in (("stiffness", "period"), *tapered, ("yield_shear", "yield_"), ("rayleigh", "damping")):
             if {one, other} <= self.model_fields_set:
                 message = f"'{one}' and '{other.strip('_')}' cannot both be given"
-                yield (one,), message, f"remove one: '{one}' stands in place of the other", True
+                yield Issue((one,), message, f"remove one: '{one}' stands in place of the other", at_key=True)
         if self.count is None:
-            yield (), "'storeys' is missing", "write the number of storeys, e.g. `storeys: 5`"
+            yield Issue((), "'storeys' is missing", "write the number of storeys, e.g. `storeys: 5`")
         for name, length in self.lengths.items():
             if self.count is not None and length != self.count:
                 message = f"{name} has {pluralize(length, 'value')} for {pluralize(self.count, 'storey')}"
                 hint = f"write {pluralize(self.count, 'value')} from the ground up"
-                yield tuple(int(key) if key.isdigit() else key for key in name.split(".")), message, hint
+                yield Issue(tuple(int(key) if key.isdigit() else key for key in name.split(".")), message, hint)
         yield from self._find_plan_issues()
         if self.period is None and self.stiffness is None and not self.gives_stiffness_in_plan:
-            yield (), "this building has neither 'period' nor 'stiffness'", "write e.g. `period: 0.36 s`"
+            yield Issue((), "this building has neither 'period' nor 'stiffness'", "write e.g. `period: 0.36 s`")
         thinnest = min(self.height) if isinstance(self.height, tuple) else self.height
         if self.slab >= thinnest:
             message = f"a slab of {self.slab:g} m is not thinner than a storey of {thinnest:g} m"
-            yield ("slab",), message, "write the thickness of the floor slab, e.g. `slab: 25 cm`"
+            yield Issue(("slab",), message, "write the thickness of the floor slab, e.g. `slab: 25 cm`")
         law = storey_laws()[self.storey_law]
         for owner in storey_laws().values():
             for name in own_parameters(owner).keys() - own_parameters(law).keys():
                 if getattr(self, name) is not None:
                     message = f"'{name}' does not apply to storey_law: {law.name}"
-                    yield (name,), message, f"remove it; it belongs to {owner.name}", True
+                    yield Issue((name,), message, f"remove it; it belongs to {owner.name}", at_key=True)
         for name, declared in own_parameters(law).items():
             if getattr(self, name) is None and not isinstance(law.parameters()[name].default, str | float | int):
-                yield (), f"'{name}' is missing", f"storey_law: {law.name} needs it: {declared.description}"
+                yield Issue((), f"'{name}' is missing", f"storey_law: {law.name} needs it: {declared.description}")
 
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 from pydantic_core import PydanticCustomError
 
-from pounding_cli.study.schema.base import Model, SpecIssue, list_or, one_or_many, spec_field
+from pounding_cli.study.schema.base import Model, list_or, one_or_many, spec_field
 from pounding_cli.study.schema.quantity import (
     BOTH_SIGNS,
     FORCE,
@@ -21,6 +21,7 @@ from pounding_cli.study.schema.quantity import (
     quote,
     refuse,
 )
+from pounding_cli.study.text.issues import Issue
 
 PLACE = Quantity("place", "m", "-6 m", -1000.0, 1000.0)
 """A place across the row [m], from the middle of a plan."""
@@ -273,34 +274,36 @@ class PlanSpec(Model):
         values = tuple(getattr(line, name) for line in self.lines or ())
         return fill_rest(values) if REST in values else values
 
-    def issues(self) -> Iterator[SpecIssue]:
+    def issues(self) -> Iterator[Issue]:
         if self.depth is None and self.inertia is None:
             hint = "write the depth of the floors along the row, e.g. `depth: 14 m`, or `inertia`"
-            yield (), "'depth' is missing: the rotary inertia of the floors needs it", hint
+            yield Issue((), "'depth' is missing: the rotary inertia of the floors needs it", hint)
         half = 0.5 * self.width
         if abs(self.centre) >= half:
             key = "centre_of_mass" if abs(self.centre_of_mass) >= half else "accidental"
             message = f"the centres of mass stand {self.centre:g} m from the middle of the plan, outside of its "
             hint = f"let `centre_of_mass` and `accidental` put them between {-half:g} and {half:g} m"
-            yield (key,), f"{message}{self.width:g} m", hint
+            yield Issue((key,), f"{message}{self.width:g} m", hint)
         if self.lines is not None:
             for name in _SHORT_FORM:
                 if getattr(self, name) is not None:
-                    yield (name,), f"'{name}' and 'lines' cannot both be given", "remove one of the two", True
+                    yield Issue(
+                        (name,), f"'{name}' and 'lines' cannot both be given", "remove one of the two", at_key=True
+                    )
             yield from self._find_line_issues()
             return
         if self.eccentricity is None:
             hint = "write `lines`, or in short `eccentricity: 10 %` and `frequency_ratio: 1.1`"
-            yield (), "this plan has neither 'lines' nor 'eccentricity'", hint
+            yield Issue((), "this plan has neither 'lines' nor 'eccentricity'", hint)
         elif self.frequency_ratio is None:
             hint = "write the frequency of the twist over that along the row, e.g. `frequency_ratio: 1.1`"
-            yield (), "'frequency_ratio' is missing: 'eccentricity' needs it", hint
+            yield Issue((), "'frequency_ratio' is missing: 'eccentricity' needs it", hint)
         for name in ("across", "torsional_stiffness"):
             if self.eccentricity is not None and getattr(self, name):
                 hint = "remove it: 'frequency_ratio' sets the torsional stiffness; or write `lines`"
-                yield (name,), f"'{name}' does not apply beside 'eccentricity'", hint, True
+                yield Issue((name,), f"'{name}' does not apply beside 'eccentricity'", hint, at_key=True)
 
-    def _find_line_issues(self) -> Iterator[SpecIssue]:
+    def _find_line_issues(self) -> Iterator[Issue]:
         """Yield what is wrong with the lines: shares beside numbers, shares that do not add up, places outside."""
         assert self.lines is not None
         for name in ("stiffness", "yield_shear"):
@@ -310,22 +313,26 @@ class PlanSpec(Model):
             if name == "yield_shear" and given and len(given) < len(values):
                 number = values.index(None)
                 hint = "write it in every line, or in none: each has its share of the stiffness"
-                yield ("lines", number), f"'{name}' is missing, but other lines have it", hint
+                yield Issue(("lines", number), f"'{name}' is missing, but other lines have it", hint)
             elif shares and len(shares) < len(given):
                 number = next(place for place, value in enumerate(values) if _is_share(value))
                 other = "`never`" if "never" in given else "a list of numbers"
                 message = f"'{name}' is a share here, but {other} in other lines"
-                yield ("lines", number, name), message, "write shares in all lines, or numbers in all", True
+                yield Issue(
+                    ("lines", number, name), message, "write shares in all lines, or numbers in all", at_key=True
+                )
             elif shares:
                 message, hint = find_fault_in_shares(shares)
                 if message:
-                    yield ("lines",), f"the shares of 'lines' in '{name}' {message}", hint, True
+                    yield Issue(("lines",), f"the shares of 'lines' in '{name}' {message}", hint, at_key=True)
         half = 0.5 * self.width
         for number, line in enumerate(self.lines):
             if abs(line.y) > half * (1.0 + 1e-12):
                 message = f"the line stands at {line.y:g} m, outside of the plan"
-                yield ("lines", number, "y"), message, f"write a place from {-half:g} to {half:g} m, or a larger width"
+                yield Issue(
+                    ("lines", number, "y"), message, f"write a place from {-half:g} to {half:g} m, or a larger width"
+                )
         for number, across in enumerate(self.across):
             if self.depth is not None and abs(across.x) > self.depth:
                 message = f"the line stands {across.x:g} m from the centre of mass, outside of the plan"
-                yield ("across", number, "x"), message, f"write a place within its depth of {self.depth:g} m"
+                yield Issue(("across", number, "x"), message, f"write a place within its depth of {self.depth:g} m")

@@ -22,7 +22,7 @@ from pydantic import (
 from pounding_cli.laws import KELVIN_VOIGT, contact_laws, link_laws
 from pounding_cli.laws.pounding import Pounding
 from pounding_cli.numbers import pluralize
-from pounding_cli.study.schema.base import Model, Name, SpecIssue, one_or_many, spec_field, tagged_union
+from pounding_cli.study.schema.base import Model, Name, one_or_many, spec_field, tagged_union
 from pounding_cli.study.schema.floor_places import FloorPair, FloorPairParser
 from pounding_cli.study.schema.floor_plan import REST, fill_rest, find_fault_in_shares
 from pounding_cli.study.schema.quantity import (
@@ -38,7 +38,7 @@ from pounding_cli.study.schema.quantity import (
     refuse,
 )
 from pounding_cli.study.schema.street_places import PlaceOfLink, PlaceParser
-from pounding_cli.study.text.issues import KeyPath
+from pounding_cli.study.text.issues import Issue, KeyPath
 
 POUNDING = Pounding.name
 NO_LINK = "none"
@@ -271,36 +271,36 @@ class LinkSpec(Model):
         places = self.places or ()
         return (1.0 / len(places),) * len(places) if self.shares is None else fill_rest(self.shares)
 
-    def issues(self) -> Iterator[SpecIssue]:
+    def issues(self) -> Iterator[Issue]:
         places = self.places or ()
         if self.shares is not None and self.places is None:
             message = "'shares' has no effect without 'places'"
-            yield ("shares",), message, "write `places:` too, or remove it", True
+            yield Issue(("shares",), message, "write `places:` too, or remove it", at_key=True)
         elif self.shares is not None and len(self.shares) != len(places):
             counts = f"{pluralize(len(self.shares), 'value')} for {pluralize(len(places), 'place')}"
             message = f"'shares' has {counts}"
-            yield ("shares",), message, "write one share for each of `places`", True
+            yield Issue(("shares",), message, "write one share for each of `places`", at_key=True)
         elif self.shares is not None:
             message, hint = find_fault_in_shares(self.shares)
             if message:
-                yield ("shares",), f"the shares {message}", hint, True
+                yield Issue(("shares",), f"the shares {message}", hint, at_key=True)
         if self.at is not None and self.floors != "all":
-            yield (
+            yield Issue(
                 ("floors",),
                 "'floors' has no effect beside 'at: columns'",
                 "remove it: slabs strike where they are",
-                True,
+                at_key=True,
             )
         if self.at is not None and self.distance is not None:
             hint = "remove it: a slab is as high as the columns that it faces, so the link is level"
-            yield ("distance",), "'distance' has no effect beside 'at: columns'", hint, True
+            yield Issue(("distance",), "'distance' has no effect beside 'at: columns'", hint, at_key=True)
         yield from _refuse_both_losses(self)
 
 
-def _refuse_both_losses(owner: Any) -> Iterator[SpecIssue]:
+def _refuse_both_losses(owner: Any) -> Iterator[Issue]:
     if getattr(owner, "restitution", None) is not None and getattr(owner, "damping_ratio", None) is not None:
         hint = "remove one: 'damping_ratio' stands in place of 'restitution'"
-        yield ("damping_ratio",), "'damping_ratio' and 'restitution' cannot both be given", hint, True
+        yield Issue(("damping_ratio",), "'damping_ratio' and 'restitution' cannot both be given", hint, at_key=True)
 
 
 def _keys_as_written(law: Any) -> frozenset[str]:
@@ -336,12 +336,12 @@ class NoLinkSpec(LinkSpec):
 
     link: Literal["none"] = spec_field(NO_LINK, "no link")
 
-    def issues(self) -> Iterator[SpecIssue]:
+    def issues(self) -> Iterator[Issue]:
         yield from super().issues()
         for name in ("places", "shares"):
             if getattr(self, name) is not None:
                 message = f"'{name}' does not apply to link: none"
-                yield (name,), message, "remove it: it keeps the whole edge free", True
+                yield Issue((name,), message, "remove it: it keeps the whole edge free", at_key=True)
 
 
 class OwnLinkSpec(LinkSpec):
@@ -394,7 +394,7 @@ class SeveralLinksSpec(Model):
         ..., "links between the floors; one may stand in the case itself"
     )
 
-    def issues(self) -> Iterator[SpecIssue]:
+    def issues(self) -> Iterator[Issue]:
         yield from _refuse_both_losses(self)
 
 
@@ -477,7 +477,7 @@ class _ImpactSpec(Model):
         "reduced-mass", "mass in eq. (7); `printed` is its form in the paper, whose unit is wrong"
     )
 
-    def issues(self) -> Iterator[SpecIssue]:
+    def issues(self) -> Iterator[Issue]:
         yield from _refuse_both_losses(self)
 
 

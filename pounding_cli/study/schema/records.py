@@ -24,7 +24,7 @@ from pounding_cli.records.declaration import BASELINES, Declaration
 from pounding_cli.records.reading import MAX_PEAK, MOTION_FORMATS, PLAIN
 from pounding_cli.records.sines import MAX_CYCLES, Sine
 from pounding_cli.records.units import ACCELERATION_UNITS, find_acceleration_unit
-from pounding_cli.study.schema.base import LabelText, Model, SpecIssue, errors, spec_field, tagged_union
+from pounding_cli.study.schema.base import LabelText, Model, errors, spec_field, tagged_union
 from pounding_cli.study.schema.links import Ratio
 from pounding_cli.study.schema.quantity import (
     ACCELERATION,
@@ -36,6 +36,7 @@ from pounding_cli.study.schema.quantity import (
     refuse,
 )
 from pounding_cli.study.text.file import nearest
+from pounding_cli.study.text.issues import Issue
 
 
 def _check_unit(text: str) -> str:
@@ -112,18 +113,18 @@ class FrequencyRangeSpec(Model):
     count: Number | None = spec_field(None, "how many; or write `step`", 21)
     step: Frequency | None = spec_field(None, "how far apart [Hz]; or write `count`", "0.1 Hz")
 
-    def issues(self) -> Iterator[SpecIssue]:
+    def issues(self) -> Iterator[Issue]:
         ends = f"from {self.first:g} to {self.last:g} Hz"
         if not self.first < self.last:
-            yield ("to",), f"the frequencies run {ends}", "write `to:` above `from:`"
+            yield Issue(("to",), f"the frequencies run {ends}", "write `to:` above `from:`")
         elif (self.count is None) == (self.step is None):
             hint = "write e.g. `{from: 0.5 Hz, to: 2.5 Hz, count: 21}`, or `step: 0.1 Hz` instead of `count:`"
-            yield (), "a range of frequencies has either `count` or `step`", hint
+            yield Issue((), "a range of frequencies has either `count` or `step`", hint)
         elif self.count == 1:
-            yield ("count",), "a range has two frequencies at least", "write `sine: 1 Hz` for a single one"
+            yield Issue(("count",), "a range has two frequencies at least", "write `sine: 1 Hz` for a single one")
         elif self.step is not None and not self._has_whole_steps():
             message = f"steps of {self.step:g} Hz do not lead {ends}: that is {self._count_steps():.4g} steps"
-            yield ("step",), message, "change an end or the step, at most 1000 frequencies, or write `count:`"
+            yield Issue(("step",), message, "change an end or the step, at most 1000 frequencies, or write `count:`")
 
     def _count_steps(self) -> float:
         """Return how many steps lead from the first frequency to the last; 0 where `count` is given instead."""
@@ -165,14 +166,14 @@ class SineSpec(Model):
     cycles: Cycles = spec_field(..., "number of cycles [-]", 40)
     ramp: Ramp = spec_field(0.0, "number of the first cycles, in which it grows evenly to its amplitude [-]", 20)
 
-    def issues(self) -> Iterator[SpecIssue]:
+    def issues(self) -> Iterator[Issue]:
         if self.ramp > self.cycles:
             message = f"the motion grows over {self.ramp:g} cycles and has {self.cycles:g}"
-            yield ("ramp",), message, "write a smaller `ramp:`, or more `cycles:`"
+            yield Issue(("ramp",), message, "write a smaller `ramp:`, or more `cycles:`")
         count = len(self.list_frequencies())
         if count * self.cycles > MAX_CYCLES:
             message = f"{count} frequencies of {self.cycles:g} cycles are more than {MAX_CYCLES} cycles"
-            yield ("cycles",), message, f"write at most {MAX_CYCLES // count} cycles, or fewer frequencies"
+            yield Issue(("cycles",), message, f"write at most {MAX_CYCLES // count} cycles, or fewer frequencies")
 
     def list_frequencies(self) -> tuple[float, ...]:
         """Return the frequencies [Hz]."""
@@ -240,10 +241,10 @@ class CodeTargetSpec(Model):
     name: ClassVar[str]
     damping: Ratio | None = spec_field(None, "damping ratio [-]; default: `damping` of the scale")
 
-    def issues(self) -> Iterator[SpecIssue]:
+    def issues(self) -> Iterator[Issue]:
         only = CODES[self.name].damping
         if only is not None and self.damping not in (None, only):
-            yield ("damping",), *_refuse_damping(self.name)
+            yield Issue(("damping",), *_refuse_damping(self.name))
 
     def build(self, damping: float) -> CodeSpectrum:
         """Return the spectrum of a damping ratio [-]."""
@@ -280,11 +281,11 @@ class Asce7Spec(CodeTargetSpec):
     tl: LongPeriod = spec_field(..., "long-period transition period TL [s]", "8 s")
     level: Literal["design", "mcer"] = spec_field("design", "`mcer`: 1.5 times the design spectrum (11.4.7)")
 
-    def issues(self) -> Iterator[SpecIssue]:
+    def issues(self) -> Iterator[Issue]:
         yield from super().issues()
         if self.sd1 > self.sds * self.tl:
             corner = f"SD1 / SDS, where the plateau ends, is {self.sd1 / self.sds:.4g} s and above TL, {self.tl:g} s"
-            yield ("sd1",), corner, "check `sds` and `sd1`: the first is that of short periods"
+            yield Issue(("sd1",), corner, "check `sds` and `sd1`: the first is that of short periods")
 
 
 class Ntc2018Spec(CodeTargetSpec):
@@ -337,7 +338,7 @@ def _check_code(value: Any) -> Any:
     if "code" not in value:
         raise refuse("the target names no code", f"write `code: {EN1998}`, {', '.join([*CODE_TARGETS][1:])}; {points}")
     message = f"the program does not know the spectrum of {quote(value['code'])}"
-    raise errors(value, [(("code",), message, f"{nearest(value['code'], CODE_TARGETS)}; {points}")])
+    raise errors(value, [Issue(("code",), message, f"{nearest(value['code'], CODE_TARGETS)}; {points}")])
 
 
 _POINTS = Annotated[
@@ -369,11 +370,11 @@ class SpectrumSpec(Model):
         None, "another factor for all, so that the mean spectrum is nowhere below this part of the target"
     )
 
-    def issues(self) -> Iterator[SpecIssue]:
+    def issues(self) -> Iterator[Issue]:
         ends = f"from {self.low:g} s to {self.high:g} s"
         if not self.low < self.high:
             hint = "write `to:` above `from:`, e.g. `from: 0.2 s, to: 1.2 s`"
-            yield ("to",), f"the range of periods runs {ends}", hint
+            yield Issue(("to",), f"the range of periods runs {ends}", hint)
         elif isinstance(self.target, CodeTargetSpec):
             yield from self._find_code_issues(self.target)
         elif isinstance(self.target, dict):
@@ -381,22 +382,22 @@ class SpectrumSpec(Model):
             last = max(self.target, default=0.0)
             if not first < last or not first <= self.low or not self.high <= last:
                 message = f"the target is given from {first:g} to {last:g} s, not over the whole range"
-                yield ("target",), message, f"give two points at least, {ends} and beyond"
+                yield Issue(("target",), message, f"give two points at least, {ends} and beyond")
 
-    def _find_code_issues(self, target: CodeTargetSpec) -> Iterator[SpecIssue]:
+    def _find_code_issues(self, target: CodeTargetSpec) -> Iterator[Issue]:
         """Yield what is wrong with the range and the damping ratio of the spectrum of a code."""
         rules = CODES[target.name]
         if self.high > rules.max_period:
             end = f"{rules.max_period:g} s"
             message = f"{target.name}, {rules.clause}, gives its spectrum up to {end}, not to {self.high:g} s"
-            yield ("to",), message, f"write `to: {end}` at most"
+            yield Issue(("to",), message, f"write `to: {end}` at most")
         if "damping" not in self.model_fields_set:
             return
         if target.damping is not None and target.damping != self.damping:
             ratios = f"{100 * target.damping:g} % in the target and {100 * self.damping:g} % beside it"
-            yield ("damping",), f"the damping ratio of the spectra is {ratios}", "write one of the two"
+            yield Issue(("damping",), f"the damping ratio of the spectra is {ratios}", "write one of the two")
         elif rules.damping not in (None, self.damping):
-            yield ("damping",), *_refuse_damping(target.name)
+            yield Issue(("damping",), *_refuse_damping(target.name))
 
     @model_validator(mode="after")
     def _share_damping(self) -> Any:

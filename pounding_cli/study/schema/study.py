@@ -15,7 +15,6 @@ from pounding_cli.study.schema.base import (
     LabelText,
     Model,
     Name,
-    SpecIssue,
     list_or,
     mapping_schema,
     one_or_many,
@@ -26,6 +25,7 @@ from pounding_cli.study.schema.building import BuildingSpec
 from pounding_cli.study.schema.links import NO_LINK, OWN_LAW, CaseSpec, ImpactSpec, OwnLawSpec, link_models
 from pounding_cli.study.schema.quantity import TIME, Quantity
 from pounding_cli.study.schema.records import RecordsSpec
+from pounding_cli.study.text.issues import Issue
 
 AnalysisName = Literal["elastic", "inelastic"]
 _Kind = TypeVar("_Kind")
@@ -131,15 +131,15 @@ class StatementSpec(Model):
         "mean", "value over the motions, storey by storey; `each`: it must hold under each of them"
     )
 
-    def issues(self) -> Iterator[SpecIssue]:
+    def issues(self) -> Iterator[Issue]:
         numbers = {"number": self.number, "is": self.is_, "within": self.within}
         given = [key for key, value in numbers.items() if value is not None]
         hint = "write `holds: mu < 4`, or `number: mu, is: 3.2, within: 1 %`"
         if bool(self.holds) == bool(given):
-            yield ("says",), "a statement takes `holds`, or `number`, `is` and `within`", hint, True
+            yield Issue(("says",), "a statement takes `holds`, or `number`, `is` and `within`", hint, at_key=True)
         elif given and len(given) < len(numbers):
             lacking = ", ".join(f"`{key}`" for key in numbers if key not in given)
-            yield (given[0],), f"a number lacks {lacking}", hint, True
+            yield Issue((given[0],), f"a number lacks {lacking}", hint, at_key=True)
 
 
 _Statements: Any = list_or(Annotated[tuple[StatementSpec, ...], Field(max_length=200)], _TEXT)
@@ -203,17 +203,19 @@ class StudySpec(Model):
         "move together",
     )
 
-    def issues(self) -> Iterator[SpecIssue]:
+    def issues(self) -> Iterator[Issue]:
         method = self.method
         takes_step = METHODS[method].takes_step
         if takes_step and self.time_step is None:
-            yield ("method",), f"method: {method} needs 'time_step'", f"write e.g. `time_step: {TIME_STEP.example}`"
+            yield Issue(
+                ("method",), f"method: {method} needs 'time_step'", f"write e.g. `time_step: {TIME_STEP.example}`"
+            )
         if not takes_step and self.time_step is not None:
             message = f"'time_step' does not apply to method: {method}"
-            yield ("time_step",), message, "remove it; `accuracy:` controls the cost", True
+            yield Issue(("time_step",), message, "remove it; `accuracy:` controls the cost", at_key=True)
         for place, analysis in enumerate(self.analyses):
             if analysis in self.analyses[:place]:
-                yield ("analyses", place), f"'{analysis}' occurs twice", "remove one"
+                yield Issue(("analyses", place), f"'{analysis}' occurs twice", "remove one")
 
 
 class StudySection(NamedTuple):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from pounding_cli.errors import Problem
@@ -38,6 +38,13 @@ class IssuesFound(Exception):
     def __init__(self, issues: Iterable[Issue | Problem]) -> None:
         self.issues = tuple(issues)
         super().__init__("\n".join(each.message for each in self.issues))
+
+    def below(self, *path: str | int) -> IssuesFound:
+        """Return the same issues of a part that stands at `path`."""
+        placed = [
+            each if isinstance(each, Problem) else replace(each, path=(*path, *each.path)) for each in self.issues
+        ]
+        return IssuesFound(placed)
 
 
 @dataclass
