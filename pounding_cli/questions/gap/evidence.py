@@ -22,6 +22,7 @@ from pounding_cli.questions.gap.tables import (
 )
 from pounding_cli.report.evidence import Evidence, find_nominal
 from pounding_cli.solver.response import DONE
+from pounding_cli.study.text.file import parse
 from pounding_cli.tables import Row
 
 if TYPE_CHECKING:
@@ -151,7 +152,7 @@ class GapEvidence:
         entries = []
         for (case, _), rows in cases.groupby([cases["case"], numbers], sort=False):
             needs = {}
-            is_uniform = len(find_gaps_of_case(self.results, str(case), pair)) <= 1
+            is_uniform = len(list_written_gaps(self.results, str(case), pair)) <= 1
             for judged in rows.to_dict("records"):
                 of_analysis = exact[exact["analysis"] == judged["analysis"]]
                 keys = [key for key in PLACE_KEYS if key in of_analysis]
@@ -178,11 +179,30 @@ class GapEvidence:
             yield str(rule), float(of_rule["mean"].max())
 
 
-def find_gaps_of_case(results: ResultTables, case: str, pair: tuple[str, str] | None = None) -> set[float]:
-    """Return the different gaps of the links of a case, as the study writes it, between two neighbours or all [m]."""
-    number = None if pair is None else 1 + list(pairwise(results.names("building"))).index(pair)
-    links = results.study_data["cases"][case]["links"]
-    return {link["gap"] for link in links if "gap" in link and link["pair"] in (None, number or link["pair"])}
+def list_written_gaps(results: ResultTables, case: str, pair: tuple[str, str] | None = None) -> list[str]:
+    """Return the different gaps that the study writes for the links of a case, between two neighbours or all."""
+    written = parse(results.study_text, str(results.path)).get("cases", {}).get(case)
+    if not isinstance(written, Mapping):
+        return []
+    links = written.get("links")
+    if not isinstance(links, list):
+        links = [{}]
+    of_case = written.get("gap", "")
+    pairs = list(pairwise(results.names("building")))
+    number = None if pair is None else 1 + pairs.index(pair)
+    gaps = [
+        str(link.get("gap", of_case)) if isinstance(link, Mapping) else str(of_case)
+        for link in links
+        if _is_between(link, number)
+    ]
+    return [gap for gap in dict.fromkeys(gaps) if gap]
+
+
+def _is_between(link: Any, number: int | None) -> bool:
+    """Return whether a written link stands between the neighbours of a number from 1, or of any."""
+    if not isinstance(link, Mapping):
+        return bool(link != "none")
+    return link.get("link") != "none" and (number is None or str(link.get("pair", number)) == str(number))
 
 
 def select_failed(scene: pd.DataFrame) -> pd.DataFrame:

@@ -12,13 +12,14 @@ from pounding_cli.questions.gap.evidence import (
     GapEvidence,
     Need,
     describe_facing_place,
-    find_gaps_of_case,
+    list_written_gaps,
     select_exact,
     select_widest,
 )
 from pounding_cli.questions.gap.neighbour_words import describe_neighbour_spread, describe_neighbours
 from pounding_cli.questions.gap.tables import CASES_TABLE, EXACT, GAP_TABLE, NO, RATE_TABLE, UNKNOWN, YES
 from pounding_cli.questions.hazard import YEARS
+from pounding_cli.study.text.file import parse
 from pounding_cli.tables import Column, Row
 
 if TYPE_CHECKING:
@@ -76,7 +77,8 @@ def _describe_failure(results: ResultTables) -> str:
 
 def _compares_cases(results: ResultTables) -> bool:
     """Return whether the study has a case with a gap."""
-    return any(find_gaps_of_case(results, case) for case in results.study_data["cases"])
+    written = parse(results.study_text, str(results.path)).get("cases") or {}
+    return any(list_written_gaps(results, case) for case in written)
 
 
 def _describe_failed_analysis(evidence: GapEvidence, analysis: str) -> str:

@@ -38,6 +38,7 @@ from pounding_cli.questions.gap.tables import (
 )
 from pounding_cli.records.code_spectra import NTC2018
 from pounding_cli.solver.response import COLLAPSED
+from pounding_cli.study.text.file import parse
 from pounding_cli.tables import Column, Row, Table
 
 if TYPE_CHECKING:
@@ -356,8 +357,9 @@ def _describe_error(exact: pd.DataFrame, column: Column) -> str:
 
 def _list_cases_left_out(results: ResultTables, cases: pd.DataFrame) -> list[str]:
     """Return the cases of the study whose gaps are not compared."""
+    written = parse(results.study_text, str(results.path)).get("cases") or ()
     compared = set(cases["case"])
-    return [case for case in results.study_data["cases"] if case not in compared]
+    return [case for case in written if case not in compared]
 
 
 # References
