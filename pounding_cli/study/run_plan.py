@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,11 +21,9 @@ from pounding_cli.study.construct.link_places import Meeting
 from pounding_cli.study.construct.motions import Suite
 from pounding_cli.study.construct.resolve import StudyParts
 from pounding_cli.study.construct.swept import Point, Swept, sweep_map
+from pounding_cli.study.study import Study
 from pounding_cli.study.text.file import Problems
-
-if TYPE_CHECKING:
-    from pounding_cli.study.study import Study
-    from pounding_cli.study.vary.axes import Axis
+from pounding_cli.study.vary.axes import Axis
 
 DIGEST_SIZE = 32
 """Bytes of a SHA-256 digest."""

@@ -4,7 +4,7 @@ the doubts about them."""
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from pounding_cli.model.archetypes import (
     DAMAGE_STATES,
@@ -17,10 +17,8 @@ from pounding_cli.model.archetypes import (
 )
 from pounding_cli.numbers import format_number, pluralize
 from pounding_cli.study.schema.archetypes import Seen, list_seen
-
-if TYPE_CHECKING:
-    from pounding_cli.study.study import Study
-    from pounding_cli.study.text.file import Map, Problems
+from pounding_cli.study.study import Study
+from pounding_cli.study.text.file import Map, Problems
 
 _TITLES = {"strength": "base shear V/W", "height": "storey height"}
 """Quantity -> its name in a line where it has another."""

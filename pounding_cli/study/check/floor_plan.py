@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -13,11 +13,9 @@ from pounding_cli.numbers import join_limited
 from pounding_cli.study.check.doubts import AS_MEANT, Doubts, format_value, units_of_size
 from pounding_cli.study.schema.floor_plan import PlanSpec
 from pounding_cli.study.schema.links import list_links
+from pounding_cli.study.study import Study
 from pounding_cli.study.text.file import Problems, get
 from pounding_cli.study.text.issues import KeyPath
-
-if TYPE_CHECKING:
-    from pounding_cli.study.study import Study
 
 RATIOS_OF_TWIST = (0.7, 3.0)
 """Frequency of the twist over that along the row [-] beyond which it is warned of: frames at all edges give 1 to 1.5, a

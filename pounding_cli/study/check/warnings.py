@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -42,14 +42,13 @@ from pounding_cli.study.schema.like import resolve_all_likes, resolve_like
 from pounding_cli.study.schema.quantity import FORCE_FACTORS, NUMBER_PATTERN, PLAUSIBLE_RANGES, Quantity
 from pounding_cli.study.schema.records import RecordsSpec
 from pounding_cli.study.schema.study import StudySpec
+from pounding_cli.study.study import Study
 from pounding_cli.study.text.file import Map, Mark, Problems, get
 from pounding_cli.study.text.issues import Issues, KeyPath
 from pounding_cli.study.vary.axes import UNWRITTEN, Axis, sweep_maps
+from pounding_cli.study.vary.inputs import UncertainInput
+from pounding_cli.study.vary.uncertain import list_seen_inputs, read_searched, read_uncertain
 from pounding_cli.units import GRAVITY
-
-if TYPE_CHECKING:
-    from pounding_cli.study.study import Study
-    from pounding_cli.study.vary.inputs import UncertainInput
 
 MAX_CHECKED_CORNERS = 256
 """Combinations of the ends of several axes at which values are compared with each other."""
@@ -118,14 +117,12 @@ def _resolve_uncertain_ends(study: Study) -> _View | None:
     inputs: list[UncertainInput] = []
     problems = Problems(study.file)
     if study.tree.get("uncertain") is not None or get(study.tree, "optimise", "over") is not None:
-        from pounding_cli.study.vary import uncertain as vary  # here: few studies have distributions
-
         if study.tree.get("uncertain") is not None:
-            unwritten = {(each.key, each.mark) for each in vary.list_seen_inputs(study.tree)}
-            uncertain = vary.read_uncertain(study.tree, problems)
+            unwritten = {(each.key, each.mark) for each in list_seen_inputs(study.tree)}
+            uncertain = read_uncertain(study.tree, problems)
             inputs += [each for each in uncertain if (each.key, each.mark) not in unwritten]
         if isinstance(get(study.tree, "optimise", "over"), Map):
-            inputs += vary.read_searched(study.tree, problems)
+            inputs += read_searched(study.tree, problems)
     if problems.found or not any(each.members for each in inputs):
         return None
     axes = (_build_axis_of_ends(inputs),)

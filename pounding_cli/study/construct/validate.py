@@ -18,6 +18,7 @@ from pounding_cli.study.schema.study import StudySpec
 from pounding_cli.study.text.file import Map, Problems, nearest
 from pounding_cli.study.text.issues import Issue, Issues, drop_idle_axes
 from pounding_cli.study.vary.axes import Axis
+from pounding_cli.study.vary.uncertain import read_uncertain
 
 MAX_AT_POINTS = 20
 """Problems of single points of the sweep that are told."""
@@ -43,8 +44,6 @@ def validate_tree(
         note_unknown_names(tree, specs, issues)
         _note_names_of_report(specs, tree, axes, parts, issues)
         if tree.get("uncertain") is not None:  # buildings that are only seen have nothing that may be wrong
-            from pounding_cli.study.vary.uncertain import read_uncertain  # here: few studies have distributions
-
             read_uncertain(tree, problems)
     problems = Problems(file) if problems is None else problems
     place_issues(issues, tree, axes, problems)

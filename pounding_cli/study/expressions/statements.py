@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 from pydantic_core import PydanticCustomError
 
 from pounding_cli.study.expressions.comparison import Comparison, parse_comparison
 from pounding_cli.study.expressions.expression import ExpressionError, Scope, find_point, parse_expression
 from pounding_cli.study.schema.quantity import Quantity, written_unit
-
-if TYPE_CHECKING:
-    from pounding_cli.study.schema.study import StatementSpec
-    from pounding_cli.study.text.issues import KeyPath
+from pounding_cli.study.schema.study import StatementSpec
+from pounding_cli.study.text.issues import KeyPath
 
 
 @dataclass(frozen=True)

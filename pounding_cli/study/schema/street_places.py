@@ -13,7 +13,7 @@ from pounding_cli.study.schema.floor_plan import PLACE
 from pounding_cli.study.schema.quantity import ParsedText, Quantity, quote, refuse
 from pounding_cli.study.text.issues import Issue, IssuesFound, KeyPath
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # `links.py` imports this file
     from pounding_cli.study.schema.links import LinkSpec
 
 _USAGE = (
