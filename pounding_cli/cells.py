@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError, Issue
 from pounding_cli.reading import read_bytes, shorten_path
 
 MAX_FILE_BYTES = 20_000_000
@@ -65,7 +65,7 @@ class CurableError(InputError):
     cure : keys of a declaration, and their values
     """
 
-    def __init__(self, problem: Problem, cure: Mapping[str, Any]) -> None:
+    def __init__(self, problem: Issue, cure: Mapping[str, Any]) -> None:
         super().__init__(problem)
         self.cure = cure
 
@@ -102,13 +102,15 @@ class TextFile:
     def refuse(self, message: str, hint: str, line: int = 0, column: int = 1) -> InputError:
         """Return the refusal at a place of this file; line, column : from 1; line 0 is the whole file."""
         line = min(line, len(self.lines))
-        return InputError(Problem(message, hint, shorten_path(self.path), line, column if line else 0))
+        return InputError(
+            Issue((), message, hint, file=shorten_path(self.path), line=line, column=column if line else 0)
+        )
 
     def refuse_curable(
         self, message: str, hint: str, cure: Mapping[str, Any], line: int, column: int = 1
     ) -> CurableError:
         """Return the refusal at a place of this file that keys of a declaration cure."""
-        return CurableError(Problem(message, hint, shorten_path(self.path), line, column), cure)
+        return CurableError(Issue((), message, hint, file=shorten_path(self.path), line=line, column=column), cure)
 
 
 @dataclass(frozen=True)
@@ -374,7 +376,7 @@ def load_text(path: Path, what: str) -> TextFile:
     if len(raw.translate(None, _CONTROL)) < len(raw):
         kind = next((name for sign, name in _BINARY if raw.startswith(sign)), "")
         hint = f"export it as text, in UTF-8; give a {what} that holds numbers in lines"
-        raise InputError(Problem(f"not a text file{f', but {kind}' if kind else ''}", hint, shorten_path(path)))
+        raise InputError(Issue((), f"not a text file{f', but {kind}' if kind else ''}", hint, file=shorten_path(path)))
     try:
         decoded = raw.decode("utf-8-sig")
     except UnicodeDecodeError:

@@ -4,17 +4,40 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
+
+KeyPath = tuple[str | int, ...]
+"""Keys and places in lists from the top of a study down to a value."""
 
 
 @dataclass(frozen=True)
-class Problem:
-    """One thing wrong with the input: where it stands (1-based line and column), what is wrong, what to write."""
+class Issue:
+    """One thing that is wrong with the input, or doubtful in it.
 
+    path : of the value in a study, from which its line is found at the edge; () elsewhere
+    message, hint : what is wrong, and what to write instead
+    at_key : whether it stands at the key of the value, not at the value
+    offset : characters from the beginning of the value to what is wrong
+    file, line, column : where it stands, from 1; in Python data the file is the dotted key, and the line 0
+    """
+
+    path: KeyPath
     message: str
     hint: str = ""
+    at_key: bool = False
+    offset: int = 0
     file: str = ""
     line: int = 0
     column: int = 0
+
+    def to_data(self) -> dict[str, Any]:
+        """Return what is wrong and where, without the path in the study that the place was found by."""
+        return {name: getattr(self, name) for name in ("message", "hint", "file", "line", "column")}
+
+    @property
+    def is_placed(self) -> bool:
+        """True if its line is known: it is of a study at the edge, or stands in another file, as that of a motion."""
+        return self.line > 0
 
     def __str__(self) -> str:
         place = self.file
@@ -27,14 +50,14 @@ class Problem:
 class InputError(ValueError):
     """The input was refused (exit code 2); `problems` lists everything wrong, all in one go."""
 
-    def __init__(self, problems: Problem | str | Sequence[Problem]) -> None:
+    def __init__(self, problems: Issue | str | Sequence[Issue]) -> None:
         if isinstance(problems, str):
-            problems = Problem(problems)
-        if isinstance(problems, Problem):
+            problems = Issue((), problems)
+        if isinstance(problems, Issue):
             problems = [problems]
-        self.problems: tuple[Problem, ...] = tuple(problems)
+        self.problems: tuple[Issue, ...] = tuple(problems)
         super().__init__("\n".join(str(p) for p in self.problems))
 
-    def __reduce__(self) -> tuple[type[InputError], tuple[tuple[Problem, ...]]]:
+    def __reduce__(self) -> tuple[type[InputError], tuple[tuple[Issue, ...]]]:
         """Whole, as it comes from a worker."""
         return type(self), (self.problems,)

@@ -6,7 +6,7 @@ import tempfile
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError, Issue
 
 Mine = Callable[[Path, bytes], bool]
 """mine(path, head) -> whether a file that begins with `head` is an older output of the same kind."""
@@ -34,20 +34,22 @@ def check_output(path: Path, inputs: Iterable[Path] = (), mine: Mine | None = No
     elsewhere = f"name another file with {option}"
     try:
         if path.is_dir():
-            raise InputError(Problem("the output is a folder", f"name a file in it, e.g. {path / 'results.h5'}", name))
+            raise InputError(
+                Issue((), "the output is a folder", f"name a file in it, e.g. {path / 'results.h5'}", file=name)
+            )
         if path.exists():
             if not path.is_file():
-                raise InputError(Problem("the output is not a regular file", elsewhere, name))
+                raise InputError(Issue((), "the output is not a regular file", elsewhere, file=name))
             if any(path.samefile(each) for each in inputs if each.exists()):
-                raise InputError(Problem("the output is the file that this command reads", elsewhere, name))
+                raise InputError(Issue((), "the output is the file that this command reads", elsewhere, file=name))
             with path.open("rb") as stream:
                 head = stream.read(4096)
             sign = _SIGNS.get(path.suffix.lower())
             if head and not (mine(path, head) if mine else sign and head.startswith(sign)):
                 hint = f"it would be overwritten: choose another name with {option}, or move it away"
-                raise InputError(Problem("the output exists and was not written by this command", hint, name))
+                raise InputError(Issue((), "the output exists and was not written by this command", hint, file=name))
     except OSError as error:  # a path that is too long
-        raise InputError(Problem(f"cannot be written: {error.strerror}", elsewhere, name)) from None
+        raise InputError(Issue((), f"cannot be written: {error.strerror}", elsewhere, file=name)) from None
     check_folder(path.parent, path, option)
 
 
@@ -71,4 +73,4 @@ def check_folder(folder: Path, output: Path | None = None, option: str = "-o") -
     except (OSError, ValueError) as error:
         reason = "it is a file" if isinstance(error, FileExistsError) else getattr(error, "strerror", None) or error
         what = f"the output folder {folder} cannot be written: {reason}"
-        raise InputError(Problem(what, f"choose another place with {option}", str(output or folder))) from None
+        raise InputError(Issue((), what, f"choose another place with {option}", file=str(output or folder))) from None

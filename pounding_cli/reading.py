@@ -7,7 +7,7 @@ import stat
 from itertools import islice
 from pathlib import Path
 
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError, Issue
 
 MAX_PATH_LENGTH = 4096
 """Characters of a path."""
@@ -56,4 +56,4 @@ def read_bytes(path: Path, most: int, what: str) -> bytes:
             hint = f"did you mean {shorten_path(path.parent / near[0])}?"
     except (OSError, ValueError) as error:  # a name that is too long, or holds a NUL
         message = f"cannot be read: {getattr(error, 'strerror', None) or error}"
-    raise InputError(Problem(message, hint, shorten_path(path).replace("\0", "\\0")))
+    raise InputError(Issue((), message, hint, file=shorten_path(path).replace("\0", "\\0")))

@@ -75,7 +75,7 @@ API = {
         "pounding_cli.results.compare.compare",
         "pounding_cli.results.compare.Comparison",
     ),
-    "Errors": ("pounding_cli.errors.InputError", "pounding_cli.errors.Problem"),
+    "Errors": ("pounding_cli.errors.InputError", "pounding_cli.errors.Issue"),
 }
 """Headings of the API's page, and what stands under each."""
 

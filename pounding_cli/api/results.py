@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError, Issue
 from pounding_cli.results.results import ResultTables
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ class Results(ResultTables):
         name = building or evidence.main_building
         if name not in evidence.group:
             raise InputError(
-                Problem(f"no building '{name}' in these results", f"there are {', '.join(evidence.group)}")
+                Issue((), f"no building '{name}' in these results", f"there are {', '.join(evidence.group)}")
             )
         has_sweep = any(len(values) > 1 for values in self.axes.values())
         swept = list_sweep_pictures(self, evidence, SweepChoice(places={"building": name})) if has_sweep else []

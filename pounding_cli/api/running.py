@@ -17,7 +17,7 @@ from pounding_cli.batch.parts import list_parts
 from pounding_cli.batch.pool import open_pool
 from pounding_cli.batch.progress import Progress
 from pounding_cli.batch.solve import Solver
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError, Issue
 from pounding_cli.numbers import count_histories
 from pounding_cli.outputs import check_output
 from pounding_cli.report.summary import Summary, program_digest, read_summary
@@ -201,7 +201,7 @@ def _check_output(path: Path, study: Study, workflow: str, replace: bool) -> Non
             obstacle = f"another study: '{attributes.get('title')}'" + (f" ({place})" if place else "")
     if obstacle:
         hint = "name another file with -o, or use --replace to delete it (in Python: replace=True)"
-        raise InputError(Problem(f"the output holds {obstacle}", hint, str(path)))
+        raise InputError(Issue((), f"the output holds {obstacle}", hint, file=str(path)))
 
 
 def _place_of(study: Study, results: Path) -> str:

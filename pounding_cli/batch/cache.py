@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError, Issue
 from pounding_cli.results.responses import Row
 
 _TABLE = """
@@ -101,12 +101,12 @@ class Cache:
             yield
         except sqlite3.Error as error:
             if _error_code(error) in _BUSY_CODES:
-                problem = Problem(
-                    "another run is using these results", "wait until it ends, or stop it", str(self.path)
+                problem = Issue(
+                    (), "another run is using these results", "wait until it ends, or stop it", file=str(self.path)
                 )
             else:
                 hint = "free some space or choose another place; solved scenes are kept, and the same command resumes"
-                problem = Problem(f"cannot be written: {error}", hint, str(self.path))
+                problem = Issue((), f"cannot be written: {error}", hint, file=str(self.path))
             raise InputError(problem) from None
 
     def store(self, key: str, rows: Mapping[bytes, Row]) -> None:

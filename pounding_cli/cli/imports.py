@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from pounding_cli.cli.options import FILE, cell_options, seconds, together
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError, Issue
 from pounding_cli.texts import escape_controls
 
 if TYPE_CHECKING:
@@ -173,7 +173,7 @@ def pushover(curves: Path, storeys: Path | None, figure: Path | None, **options:
     suffix = picture.suffix.lower().lstrip(".")
     if suffix not in FIGURE_FORMATS:
         hint = f"end the name with one of .{', .'.join(FIGURE_FORMATS)}"
-        raise InputError(Problem(f"cannot draw a '{picture.suffix}' file", hint, str(picture)))
+        raise InputError(Issue((), f"cannot draw a '{picture.suffix}' file", hint, file=str(picture)))
     check_output(picture, [curves], option="--figure")
     digests = found.list_digests() + ([] if storeys is None else others.list_digests())
     _finish(building, digests, curves, "pound import pushover", options)
@@ -230,10 +230,10 @@ def _build_plan(building: ImportedBuilding, options: dict[str, Any]) -> PlanSize
     if missing:
         verb = "is" if len(missing) == 1 else "are"
         message = f"a plan needs --width, --depth and --frequency-ratio; {' and '.join(missing)} {verb} missing"
-        raise InputError(Problem(message, "no table has them: give them, or leave all three out"))
+        raise InputError(Issue((), message, "no table has them: give them, or leave all three out"))
     if building.eccentricity is None:
         message = "--width, --depth and --frequency-ratio have no effect: no table has the eccentricity"
-        raise InputError(Problem(message, "export the table 'Centers Of Mass And Rigidity', or leave them out"))
+        raise InputError(Issue((), message, "export the table 'Centers Of Mass And Rigidity', or leave them out"))
     return PlanSize(options["width"], options["depth"], options["frequency_ratio"])
 
 
@@ -248,7 +248,7 @@ def _choose_output(output: Path | None, name: str) -> Path:
     """Return the path of the study.  Raises `InputError`: it does not end in .yaml."""
     path = output or Path(f"{name}.yaml")
     if path.suffix not in (".yaml", ".yml"):
-        raise InputError(Problem("this is not the name of a study", "end it in .yaml", str(path)))
+        raise InputError(Issue((), "this is not the name of a study", "end it in .yaml", file=str(path)))
     return path
 
 

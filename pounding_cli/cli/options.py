@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError, Issue
 
 if TYPE_CHECKING:
     from pounding_cli.api.results import Results
@@ -55,7 +55,7 @@ def open_file(path: Path) -> Results:
 
     if path.suffix in (".yaml", ".yml") and path.is_file():
         hint = f"solve it, `pound run {path}`, and name the results file"
-        raise InputError(Problem("this is a study, not a results file", hint, str(path)))
+        raise InputError(Issue((), "this is a study, not a results file", hint, file=str(path)))
     return open_results(path)
 
 

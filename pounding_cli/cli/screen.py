@@ -9,7 +9,7 @@ import click
 
 from pounding_cli.cli.options import FILE, cell_options, output_option
 from pounding_cli.cli.solve import answer_question, prepare_solving, print_taken, solving_options
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError, Issue
 
 MAX_WARNINGS = 10
 """Warnings of pairs that are printed."""
@@ -119,7 +119,7 @@ def screen(
 
             names = [each.name for each in street.pairs]
             hint = nearest(pair, names) or f"write one of: {', '.join(names[:10])}"
-            raise InputError(Problem(f"--pair {pair}: there is no such pair", hint, str(table)))
+            raise InputError(Issue((), f"--pair {pair}: there is no such pair", hint, file=str(table)))
         click.echo(street.format_study(named[0]), nl=False)
         return
     warnings = street.find_warnings()

@@ -19,7 +19,7 @@ from pounding_cli.cli.options import (
     together,
 )
 from pounding_cli.cli.taken import describe_taken_files
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError, Issue
 from pounding_cli.numbers import format_duration, pluralize
 from pounding_cli.questions import TITLES
 from pounding_cli.texts import escape_controls
@@ -216,13 +216,15 @@ def _check_best(asked: Optimise, write: Path, replace: bool) -> None:
 
     study = asked.study.path
     if write.suffix not in (".yaml", ".yml"):
-        raise InputError(Problem("a study file ends in .yaml", f"write --write {write}.yaml", str(write)))
+        raise InputError(Issue((), "a study file ends in .yaml", f"write --write {write}.yaml", file=str(write)))
     if write.parent.resolve() != study.parent.resolve():
         hint = "write it beside the study: motions are sought there"
-        raise InputError(Problem("the study would not run from another folder", hint, str(write)))
+        raise InputError(Issue((), "the study would not run from another folder", hint, file=str(write)))
     check_output(write, [study], lambda *_: True, "--write")
     if write.exists() and not replace:
-        raise InputError(Problem("is there already", "choose another name, or add --replace to replace it", str(write)))
+        raise InputError(
+            Issue((), "is there already", "choose another name, or add --replace to replace it", file=str(write))
+        )
     asked.format_study(asked.middle)  # refused where the text does not take other values
 
 

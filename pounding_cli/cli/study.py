@@ -12,7 +12,7 @@ import click
 
 from pounding_cli.cli.options import FILE, changes_argument, output_option, study_argument
 from pounding_cli.cli.taken import describe_taken_files
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError, Issue
 from pounding_cli.numbers import count_histories, format_duration, pluralize, round_roughly
 from pounding_cli.texts import escape_controls
 
@@ -60,7 +60,7 @@ def init(name: str, template: str | None, like: str | None) -> None:  # fmt: ski
     from pounding_cli.study.text.template import TEMPLATES, find_missing_motions, start_study
 
     if template and like:
-        problem = Problem("--template and --like name two studies to start from", "write one of the two")
+        problem = Issue((), "--template and --like name two studies to start from", "write one of the two")
         raise InputError(problem)
     written = start_study(name, schema_text(), template or "pair", like)
     study = written[0]
@@ -150,7 +150,7 @@ def _read_questions(study: Study, names: Sequence[str]) -> list[StudyQuestion]:
     from pounding_cli.questions import load_question
 
     questions: list[StudyQuestion] = []
-    problems: list[Problem] = []
+    problems: list[Issue] = []
     for name in names:
         try:
             questions.append(load_question(name).ask(study))
@@ -366,7 +366,7 @@ def cite(source: Path, changes: tuple[Change, ...], form: str) -> None:  # fmt: 
     else:
         if changes:
             raise InputError(
-                Problem("changes a study, not results", "name a study, or leave it out", changes[0].mark[0])
+                Issue((), "changes a study, not results", "name a study, or leave it out", file=changes[0].mark[0])
             )
         results = open_results(source)
         title = results.title

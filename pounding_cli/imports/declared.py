@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from pounding_cli.cells import Grammar, TextFile, choose_table_separator, load_text
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError, Issue
 from pounding_cli.imports.headings import PLAIN_HEADINGS, normalize_name
 from pounding_cli.records.declaration import SEPARATOR_NAMES
 from pounding_cli.study.text.file import Map, nearest, parse_value
@@ -70,7 +70,8 @@ class TableDeclaration:
     def refuse_unused(self) -> None:
         """Raise InputError where the column of a quantity was declared and no table has it."""
         problems = [
-            Problem(
+            Issue(
+                (),
                 f"--column '{quantity}={source.written}' has no effect: no table of storeys or curves has that column",
                 "correct it, or leave it out; tables of ETABS are read by their own headings",
             )
@@ -95,8 +96,8 @@ def parse_sources(written: Iterable[str], path: Path | None) -> dict[str, Column
     for text in written:
         quantity, sign, source = text.partition("=")
         if not sign:
-            raise InputError(Problem(f"--column '{text}' is not a quantity and its column", SOURCE_HINT))
-        sources |= {_find_quantity(quantity, Problem("", file="--column")): _parse_source(source, "--column")}
+            raise InputError(Issue((), f"--column '{text}' is not a quantity and its column", SOURCE_HINT))
+        sources |= {_find_quantity(quantity, Issue((), "", file="--column")): _parse_source(source, "--column")}
     return sources
 
 
@@ -105,22 +106,28 @@ def _read_sources(path: Path) -> dict[str, ColumnSource]:
     text = "\n".join(load_text(path, "file of columns").lines)
     tree = parse_value(text, str(path))
     if not isinstance(tree, Map):
-        raise InputError(Problem("this is not a mapping of quantities to columns", "write e.g. `mass: 3`", str(path)))
+        raise InputError(
+            Issue((), "this is not a mapping of quantities to columns", "write e.g. `mass: 3`", file=str(path))
+        )
     sources = {}
     for key, value in tree.items():
         (line, column), _ = tree.marks[key]
-        place = Problem("", file=str(path), line=int(line), column=column)
+        place = Issue((), "", file=str(path), line=int(line), column=column)
         sources[_find_quantity(key, place)] = _parse_source(str(value), f"{path}:{line}:{column}")
     return sources
 
 
-def _find_quantity(written: str, place: Problem) -> str:
+def _find_quantity(written: str, place: Issue) -> str:
     """Return the name of a quantity.  Raises InputError: there is none such."""
     for quantity in PLAIN_HEADINGS:
         if normalize_name(quantity) == normalize_name(written):
             return quantity
     message = f"'{written.strip()[:60]}' is not a quantity of a table"
-    raise InputError(Problem(message, nearest(written.strip(), PLAIN_HEADINGS), place.file, place.line, place.column))
+    raise InputError(
+        Issue(
+            (), message, nearest(written.strip(), PLAIN_HEADINGS), file=place.file, line=place.line, column=place.column
+        )
+    )
 
 
 def _parse_source(written: str, place: str) -> ColumnSource:
@@ -128,7 +135,9 @@ def _parse_source(written: str, place: str) -> ColumnSource:
     match = _SOURCE.match(written.strip())
     factor = float(match["number"] or 1.0) if match else 0.0
     if match is None or factor == 0.0 or match["what"] == "0":
-        raise InputError(Problem(f"'{written[:60]}' is not a column, from 1, or its heading", SOURCE_HINT, place))
+        raise InputError(
+            Issue((), f"'{written[:60]}' is not a column, from 1, or its heading", SOURCE_HINT, file=place)
+        )
     if match["sign"] == "/":
         factor = 1.0 / factor
     number = int(match["what"]) - 1 if match["what"].isdecimal() else -1

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.integrate import trapezoid
 from scipy.optimize import brentq
 
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError, Issue
 from pounding_cli.imports.building import Choices, ImportedBuilding
 from pounding_cli.imports.headings import normalize_name
 from pounding_cli.imports.rows import TOTALS, refuse_nameless, select_case
@@ -157,7 +157,7 @@ def read_curves(tables: TableFile, choices: Choices) -> tuple[list[PushoverCurve
         shown = join_limited([escape_controls(each) for each in there], 300)
         message = f"no table has the columns storey, drift and shear; the file has {shown}"
         hint = "write a row for each storey and step below `storey, drift [mm], shear [kN]`, or give --column drift=3"
-        raise InputError(Problem(message, hint, shorten_path(tables.path)))
+        raise InputError(Issue((), message, hint, file=shorten_path(tables.path)))
     storey = table.get_column("storey", "name of the storey")
     drift = table.get_column("drift", "interstorey drift")
     shear = table.get_column("shear", "storey shear")
@@ -247,14 +247,16 @@ def apply_curves(
     if missing:
         there = join_limited([escape_controls(name) for name in by_name], 300)
         message = f"no curve of storey {join_limited(missing, 300)}; the curves are of {there}"
-        raise InputError(Problem(message, "give one for each storey, with the names of the table of storeys", path))
+        raise InputError(
+            Issue((), message, "give one for each storey, with the names of the table of storeys", file=path)
+        )
     no_storeys = {"base", *TOTALS}
     names = [name for name in by_name if normalize_name(name) not in no_storeys]
     others = [escape_controls(name) for name in names if name not in building.names]
     if others and not has_other_towers:
         there = join_limited([escape_controls(name) for name in building.names], 300)
         message = f"no height and mass of storey {join_limited(others, 300)}; the storeys are {there}"
-        raise InputError(Problem(message, "give them in the table of storeys, or take the curve out", path))
+        raise InputError(Issue((), message, "give them in the table of storeys, or take the curve out", file=path))
     fits: dict[str, Fit] = {}
     problems = []
     for name in building.names:
@@ -263,7 +265,7 @@ def apply_curves(
         except ValueError:
             message = f"no two lines with the area of the curve fit storey '{escape_controls(name)}'"
             hint = "push further, or end the curve before it falls; or write stiffness and yield shear yourself"
-            problems.append(Problem(message, hint, path))
+            problems.append(Issue((), message, hint, file=path))
     if problems:
         raise InputError(problems)
     building.stiffness = np.array([fits[name].stiffness for name in building.names])

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError, Issue
 from pounding_cli.imports.building import Choices, ImportedBuilding
 from pounding_cli.imports.dynamics import read_eccentricity, read_period
 from pounding_cli.imports.headings import (
@@ -76,10 +76,10 @@ def _refuse_options_without_effect(tables: TableFile, choices: Choices) -> None:
     """Raise InputError where a tower or mode is chosen and no table has any."""
     if choices.tower and not any(table.find_column("tower") for table in tables.tables):
         message = f"no table has a column Tower, so that --tower {escape_controls(choices.tower)} has no effect"
-        raise InputError(Problem(message, "leave --tower out", shorten_path(tables.path)))
+        raise InputError(Issue((), message, "leave --tower out", file=shorten_path(tables.path)))
     if choices.mode is not None and tables.find_table(PERIOD_TABLES) is None:
         message = f"there is no table '{PERIOD_TABLES[0]}', so that --mode {choices.mode} has no effect"
-        raise InputError(Problem(message, "export it too, or leave --mode out", shorten_path(tables.path)))
+        raise InputError(Issue((), message, "export it too, or leave --mode out", file=shorten_path(tables.path)))
 
 
 def warn_three_decimals(tables: TableFile, building: ImportedBuilding) -> None:
@@ -112,7 +112,7 @@ def _refuse_missing_columns(tables: TableFile, needs_stiffness: bool) -> None:
     is_one_table = len(tables.tables) == 1 and needs_stiffness
     if counts[best] < 2 and not is_one_table:
         return
-    problems: list[Problem] = []
+    problems: list[Issue] = []
     for quantity, meaning in wanted.items():
         try:
             tables.tables[best].get_column(quantity, meaning)
@@ -136,7 +136,7 @@ def _refuse_missing_tables(tables: TableFile, needs_stiffness: bool) -> None:
             hint = f"export it too, {meaning}; a plain table has the columns storey, height, mass"
             hint += ", stiffness" if needs_stiffness else ": --storeys storeys.csv"
             message = f"no table {shown} ({meaning}); the file has {tables.list_titles()}"
-            problems.append(Problem(message, hint, shorten_path(tables.path)))
+            problems.append(Issue((), message, hint, file=shorten_path(tables.path)))
     if problems:
         raise InputError(problems)
 

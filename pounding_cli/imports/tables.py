@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from pounding_cli.cells import BLANKS, Grammar, hint_options, load_text
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError, Issue
 from pounding_cli.imports.declared import GRAVITIES, ColumnSource, TableDeclaration
 from pounding_cli.imports.headings import is_named, list_headings, normalize_name
 from pounding_cli.imports.units import NO_UNITS, SYSTEM_HINT, find_factor, is_same_unit, is_unit
@@ -156,7 +156,9 @@ class ProgramTable:
             "write one cell for each heading, and quotes around one with a comma; --separator and --decimal say what "
             "the signs mean"
         )
-        raise InputError(Problem(message, hint, shorten_path(self.path), row[0], beyond[0] + 1 if beyond else 1))
+        raise InputError(
+            Issue((), message, hint, file=shorten_path(self.path), line=row[0], column=beyond[0] + 1 if beyond else 1)
+        )
 
     @property
     def may_have_thousands(self) -> bool:
@@ -199,7 +201,7 @@ class ProgramTable:
         if not source.unit or has_none or is_same_unit(source.unit, column.unit):
             return source.unit or column.unit
         message = f"column '{column.name}' of {self.words} is in {column.unit}, and '{source.written}' says otherwise"
-        raise InputError(Problem(message, "leave the unit out, or correct the table", shorten_path(self.path)))
+        raise InputError(Issue((), message, "leave the unit out, or correct the table", file=shorten_path(self.path)))
 
     def get_column(self, quantity: str, meaning: str) -> ProgramColumn:
         """Return the column of a quantity.
@@ -218,13 +220,15 @@ class ProgramTable:
             if not self.is_of_program:
                 hint = f"name the heading {headings[0]}, or declare its column: --column '{quantity}=HEADING', or {{}}"
                 hint = hint.format(f"its number, '{quantity}=2'")
-            raise InputError(Problem(message, hint, shorten_path(self.path), line, 1))
+            raise InputError(Issue((), message, hint, file=shorten_path(self.path), line=line, column=1))
         alike = [each for each in self.columns if normalize_name(each.name) == normalize_name(column.name)]
         is_by_number = quantity in self.sources and self.sources[quantity].place >= 0
         if len(alike) > 1 and not is_by_number:
             message = f"{self.words} has {len(alike)} columns '{escape_controls(column.name)}' ({meaning})"
             hint = "leave the one that counts, or give the others another heading"
-            raise InputError(Problem(message, hint, shorten_path(self.path), line, alike[1].place + 1))
+            raise InputError(
+                Issue((), message, hint, file=shorten_path(self.path), line=line, column=alike[1].place + 1)
+            )
         return column
 
     def read_text(self, row: ProgramRow, column: ProgramColumn) -> str:
@@ -285,7 +289,7 @@ class ProgramTable:
             message = f"column '{column.name}' of {self.words} has no unit"
             example = "kN" if is_weight else si
             hint = f"write it below the heading or behind it, `{column.name} [{example}]`, or {SYSTEM_HINT}"
-            raise InputError(Problem(message, hint, shorten_path(self.path), line, column.place + 1))
+            raise InputError(Issue((), message, hint, file=shorten_path(self.path), line=line, column=column.place + 1))
         factor = find_factor(column.unit, si)
         force = find_factor(column.unit, "N") if si == "kg" else None
         if factor is None and force is not None and GRAVITIES[0] <= 1.0 / column.factor <= GRAVITIES[1]:
@@ -299,7 +303,9 @@ class ProgramTable:
             hint = f"write a unit of {quantity} there, e.g. {si}"
             if force is not None:
                 hint += f"; a weight is a mass times g, in m/s²: --column 'mass={column.name}/9.81'"
-            raise InputError(Problem(message, hint, shorten_path(self.path), units_row[0], column.place + 1))
+            raise InputError(
+                Issue((), message, hint, file=shorten_path(self.path), line=units_row[0], column=column.place + 1)
+            )
         return factor
 
     def refuse(
@@ -308,9 +314,20 @@ class ProgramTable:
         """Return the refusal of a row or cell, which names sheet, row and column."""
         if row is None or column is None:
             line = row[0] if row else 0
-            return InputError(Problem(f"{self.words} {message}", hint, shorten_path(self.path), line, 1 if line else 0))
+            return InputError(
+                Issue(
+                    (),
+                    f"{self.words} {message}",
+                    hint,
+                    file=shorten_path(self.path),
+                    line=line,
+                    column=1 if line else 0,
+                )
+            )
         place = f"{self.words}, row {row[0]}, column '{escape_controls(column.name)}'"
-        return InputError(Problem(f"{place}: {message}", hint, shorten_path(self.path), row[0], column.place + 1))
+        return InputError(
+            Issue((), f"{place}: {message}", hint, file=shorten_path(self.path), line=row[0], column=column.place + 1)
+        )
 
     def describe_column(self, column: ProgramColumn) -> str:
         """Return table, column and unit in words."""
@@ -391,7 +408,7 @@ class TableFile:
             return found[0]
         names = [escape_controls(table.sheet or table.path.name) for table in found]
         message = f"{len(found)} tables could be meant: {join_limited(names, 300)}"
-        raise InputError(Problem(message, "leave one of them in the file or folder", shorten_path(self.path)))
+        raise InputError(Issue((), message, "leave one of them in the file or folder", file=shorten_path(self.path)))
 
     def list_titles(self) -> str:
         """Return the titles of its tables in words."""
@@ -415,18 +432,20 @@ def read_tables(path: Path, declared: TableDeclaration) -> TableFile:
         tables = [table for each in files for table in _iter_text_tables(each, declared)]
         if not tables:
             hint = "export the tables as CSV into it, one file a table, or name a workbook"
-            raise InputError(Problem("the folder holds no CSV file with a table", hint, shorten_path(path)))
+            raise InputError(Issue((), "the folder holds no CSV file with a table", hint, file=shorten_path(path)))
         return TableFile(path, tuple(tables))
     content = read_bytes(path, MAX_FILE_SIZE, "file of tables, .xlsx or .csv,")
     if content.startswith(b"PK\x03\x04"):
         tables = list(_iter_sheets(path, content, declared))
     elif content.startswith(b"\xd0\xcf\x11\xe0"):
         message = "this is a workbook of an old version of Excel, or one with a password"
-        raise InputError(Problem(message, "save it as .xlsx without a password", shorten_path(path)))
+        raise InputError(Issue((), message, "save it as .xlsx without a password", file=shorten_path(path)))
     else:
         tables = list(_iter_text_tables(path, declared))
     if not tables:
-        raise InputError(Problem("the file holds no table", "export it with headings and rows", shorten_path(path)))
+        raise InputError(
+            Issue((), "the file holds no table", "export it with headings and rows", file=shorten_path(path))
+        )
     return TableFile(path, tuple(tables))
 
 
@@ -441,7 +460,9 @@ def _iter_sheets(path: Path, content: bytes, declared: TableDeclaration) -> Iter
         import openpyxl
     except ImportError:
         message = "a workbook needs the package openpyxl, which is not installed"
-        raise InputError(Problem(message, "pip install openpyxl, or export CSV files", shorten_path(path))) from None
+        raise InputError(
+            Issue((), message, "pip install openpyxl, or export CSV files", file=shorten_path(path))
+        ) from None
     import warnings
     import zipfile
 
@@ -450,7 +471,7 @@ def _iter_sheets(path: Path, content: bytes, declared: TableDeclaration) -> Iter
             size = sum(each.file_size for each in archive.infolist())
         if size > MAX_UNPACKED_SIZE:
             message = f"the workbook unpacks to {size / 1e6:.0f} MB"
-            raise InputError(Problem(message, "export the tables of storeys alone", shorten_path(path)))
+            raise InputError(Issue((), message, "export the tables of storeys alone", file=shorten_path(path)))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of styles and extensions, which hold no numbers
             book = openpyxl.load_workbook(io.BytesIO(content), read_only=True, data_only=True)
@@ -459,7 +480,9 @@ def _iter_sheets(path: Path, content: bytes, declared: TableDeclaration) -> Iter
         raise
     except Exception as error:  # a damaged workbook may fail anywhere in openpyxl
         message = f"the workbook cannot be read: {escape_controls(str(error))[:200] or type(error).__name__}"
-        raise InputError(Problem(message, "save it anew as .xlsx, or export CSV files", shorten_path(path))) from None
+        raise InputError(
+            Issue((), message, "save it anew as .xlsx, or export CSV files", file=shorten_path(path))
+        ) from None
     for sheet, first_rows in sheets:
         if first_rows:
             title = _find_title(first_rows, sheet.title)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError, Issue
 from pounding_cli.laws.pounding import damping_ratio
 from pounding_cli.numbers import Unit
 from pounding_cli.paper.points import PointAnswer, PointCommand, SweepPoint, build_variable, describe_extremes
@@ -17,7 +17,6 @@ from pounding_cli.report.style import finish, panels, with_style
 from pounding_cli.study.construct.complete_links import DEFAULT_RESTITUTION
 from pounding_cli.study.schema.base import Model, spec_field
 from pounding_cli.study.schema.quantity import MASS, STIFFNESS, TIME, ParsedText, Quantity, WholeNumber
-from pounding_cli.study.text.issues import Issue
 from pounding_cli.tables import Column
 
 if TYPE_CHECKING:
@@ -254,7 +253,7 @@ def solve_connector(study: ConnectorStudySpec) -> PointAnswer:
     arrays["both_above"] = build_variable("1", text, bands, "band", "edge")
     if not all(np.isfinite(number) for number in numbers.values()):
         hint = "give masses, stiffnesses and dashpots that differ by fewer powers of ten"
-        raise InputError(Problem("the response is not finite", hint))
+        raise InputError(Issue((), "the response is not finite", hint))
     return PointAnswer(numbers, arrays, [describe_bands(bands)])
 
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from pydantic import BaseModel, ValidationError
 
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError, Issue
 from pounding_cli.numbers import Unit, pluralize
 from pounding_cli.paper import load_point_command
 from pounding_cli.questions.frames import list_swept_columns
@@ -120,7 +120,7 @@ class Sweep:
     text: str
     axes: tuple[Axis, ...]
     points: tuple[SweepPoint, ...]
-    warnings: tuple[Problem, ...] = ()
+    warnings: tuple[Issue, ...] = ()
 
     @property
     def solved_points(self) -> list[SweepPoint]:

@@ -28,7 +28,7 @@ from numpy.typing import ArrayLike
 from pydantic_core import PydanticCustomError
 
 from pounding_cli import records
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError, Issue
 from pounding_cli.questions.question import StudyQuestion
 from pounding_cli.questions.specs import HazardFile, Measure, PowerHazard
 from pounding_cli.records import Motion
@@ -254,11 +254,11 @@ def _parse_hazard_table(rate_by_level: Mapping[str, float], quantity: Quantity) 
             points.append((float(quantity.read(level)), rate))
         except PydanticCustomError as error:
             context = error.context or {}
-            raise InputError(Problem(f"{level}: {context['message']}", context["hint"])) from None
+            raise InputError(Issue((), f"{level}: {context['message']}", context["hint"])) from None
     intensity, rates = np.array(sorted(points)).reshape(-1, 2).T
     if len(points) < 2 or (np.diff(intensity) <= 0).any() or (np.diff(rates) >= 0).any():
         hint = "give at least two intensities, each once, with rates that fall as they rise"
-        raise InputError(Problem("this is not a hazard curve", hint))
+        raise InputError(Issue((), "this is not a hazard curve", hint))
     return np.stack([intensity, rates])
 
 

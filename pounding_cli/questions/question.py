@@ -8,9 +8,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from pounding_cli.errors import KeyPath
 from pounding_cli.study.schema.study import StudySection
 from pounding_cli.study.text.file import Problems
-from pounding_cli.study.text.issues import KeyPath
 
 if TYPE_CHECKING:
     from pounding_cli.batch.solve import Solver

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError, Issue
 from pounding_cli.questions import load_question
 from pounding_cli.report.background import build_background, describe_scope
 from pounding_cli.report.document import Report, Section
@@ -35,7 +35,7 @@ def build_report(results: ResultTables, choice: SweepChoice | None = None) -> Re
     if choice is not None:
         if reason := find_no_sweep(results):
             message = f"there are no figures over a sweep to choose: {reason}"
-            raise InputError(Problem(message, "leave `choice` out", str(results.path)))
+            raise InputError(Issue((), message, "leave `choice` out", file=str(results.path)))
         options = {"choice": choice}
     evidence = find_nominal(results.first_sample() if question.is_sampled else results)
     sample_keys = results.swept[-1] if question.is_sampled else ()

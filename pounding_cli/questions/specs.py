@@ -9,10 +9,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
+from pounding_cli.errors import Issue
 from pounding_cli.records.hazard import HazardColumns
 from pounding_cli.study.schema.base import Model, one_or_many, spec_field, tagged_union
 from pounding_cli.study.schema.quantity import TIME, ParsedText, Quantity, WholeNumber, quote, refuse, written_unit
-from pounding_cli.study.text.issues import Issue
 
 SEED = Annotated[int, WholeNumber(1, 2**31 - 1)]
 EXPRESSION_COLUMNS = (

@@ -18,7 +18,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError, Issue
 from pounding_cli.records.declaration import Declaration
 from pounding_cli.records.motion import Motion, arias
 from pounding_cli.records.reading import read_file
@@ -88,7 +88,7 @@ def real_folders() -> Iterator[Path]:
         folder = Path(part.strip()).expanduser()
         if not folder.is_dir():
             hint = "set POUND_RECORDS to a folder with motion files, or unset it"
-            raise InputError(Problem(f"POUND_RECORDS names '{folder}', which is not a folder", hint))
+            raise InputError(Issue((), f"POUND_RECORDS names '{folder}', which is not a folder", hint))
         yield folder
 
 
@@ -123,7 +123,7 @@ def get_entry(name: str, set_names: Iterable[str] = ()) -> Entry:
     near = difflib.get_close_matches(name.lower().replace(" ", ""), names, n=1, cutoff=0.5)
     hint = f"did you mean '{near[0]}'? " if near else ""
     hint += f"known: {', '.join(names)}; for a file of your own write {{file: path/to/motion.AT2}}"
-    raise InputError(Problem(f"no motion '{name}' in the catalogue", hint))
+    raise InputError(Issue((), f"no motion '{name}' in the catalogue", hint))
 
 
 def locate_motion(name: str) -> tuple[Path, str, Mapping[str, Any]]:
@@ -138,7 +138,7 @@ def locate_motion(name: str) -> tuple[Path, str, Mapping[str, Any]]:
             if len(matches) > 1:
                 message = f"more than one file looks like '{name}': {', '.join(path.name for path in matches)}"
                 way_out = "leave one of them there, or name the file in the study: {file: ...}"
-                raise InputError(Problem(message, way_out, str(folder)))
+                raise InputError(Issue((), message, way_out, file=str(folder)))
             if matches:
                 return matches[0], "real", {key: value for key, value in hint.items() if key != "pattern"}
     user_file = user_folder() / f"{name}.txt"

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from pounding_cli.cells import TextFile
-from pounding_cli.errors import Problem
+from pounding_cli.errors import Issue
 from pounding_cli.numbers import pluralize
 from pounding_cli.records.declaration import KEPT, MEAN, Declaration
 from pounding_cli.records.motion import Motion, displacement, pgv, velocity
@@ -47,7 +47,7 @@ REPEATED_RATIO = 3.0
 """An extreme that stands there twice, so many times all others, is no sample but a mark for missing ones [-]."""
 
 
-def check_samples(text: TextFile, samples: Samples, declared: Declaration) -> Iterator[Problem]:
+def check_samples(text: TextFile, samples: Samples, declared: Declaration) -> Iterator[Issue]:
     """Yield warnings about the samples of a file as they stand there.
 
     Raises
@@ -63,17 +63,17 @@ def check_samples(text: TextFile, samples: Samples, declared: Declaration) -> It
     yield from _check_extreme(text, samples, sizes, largest, declared.baseline == KEPT)
     if samples.dt < MIN_USUAL_STEP * (1 - 1e-6):
         message = f"the time step is {samples.dt:g} s, shorter than the {MIN_USUAL_STEP:g} s of any accelerograph"
-        yield Problem(message, "check that the times are in seconds; write `dt:` if they are not")
+        yield Issue((), message, "check that the times are in seconds; write `dt:` if they are not")
     if samples.dt > MAX_USUAL_STEP * (1 + 1e-6):
         message = f"the time step is {samples.dt:g} s, longer than the {MAX_USUAL_STEP:g} s of any accelerograph"
         hint = "check `dt:`" if declared.dt is not None else "check that the column of times is no sample number"
-        yield Problem(message, hint)
+        yield Issue((), message, hint)
     stated = find_stated_units(samples.heading)
     for line in samples.unread if not stated else ():
         stated += find_stated_units(line.words)
     if stated and not any(_is_one_unit(each, samples.unit) for each in stated):
         message = f"read in {samples.unit}, as declared, although the file says {stated[0]}"
-        yield Problem(message, f"write `unit: {stated[0]}` if the file is right")
+        yield Issue((), message, f"write `unit: {stated[0]}` if the file is right")
 
 
 def _is_one_unit(stated: str, declared: str) -> bool:
@@ -86,7 +86,7 @@ def _is_one_unit(stated: str, declared: str) -> bool:
 
 def _check_extreme(
     text: TextFile, samples: Samples, sizes: np.ndarray, largest: float, is_meant: bool
-) -> Iterator[Problem]:
+) -> Iterator[Issue]:
     """Yield a warning where one sample is far beyond all others.
 
     is_meant : whether spikes may be
@@ -114,10 +114,10 @@ def _check_extreme(
     if ratio > REPEATED_RATIO and not is_meant:
         when = f"{samples.dt * place:g} s, line {samples.find_line(place)}"
         message = f"one sample, {value:g} at {when}, is {ratio:.3g} times the largest other"
-        yield Problem(message, "check that it is no spike; `skip:` passes over a number above the samples")
+        yield Issue((), message, "check that it is no spike; `skip:` passes over a number above the samples")
 
 
-def check_motion(text: TextFile, motion: Motion, samples: Samples, declared: Declaration) -> Iterator[Problem]:
+def check_motion(text: TextFile, motion: Motion, samples: Samples, declared: Declaration) -> Iterator[Issue]:
     """Yield warnings about a motion.
 
     Peaks above 2 g are warned of as they are used (`study.warnings`).
@@ -136,7 +136,7 @@ def check_motion(text: TextFile, motion: Motion, samples: Samples, declared: Dec
     yield from _check_drift(text, motion, samples, declared)
 
 
-def _check_drift(text: TextFile, motion: Motion, samples: Samples, declared: Declaration) -> Iterator[Problem]:
+def _check_drift(text: TextFile, motion: Motion, samples: Samples, declared: Declaration) -> Iterator[Issue]:
     """Yield a warning where the ground drifts away.
 
     Raises
@@ -165,4 +165,4 @@ def _check_drift(text: TextFile, motion: Motion, samples: Samples, declared: Dec
         raise text.refuse(f"{words}; no ground goes beyond {MAX_DISPLACEMENT:g} m", cure, samples.line)
     drifts = abs(end) > MAX_USUAL_END_VELOCITY * pgv(without_mean) and abs(values.mean()) > MAX_USUAL_MEAN * motion.pga
     if not is_meant and (drifts or reach > MAX_USUAL_DISPLACEMENT):
-        yield Problem(words, cure)
+        yield Issue((), words, cure)

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from pounding_cli.cells import Grammar, Row, TextFile, load_text
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError, Issue
 from pounding_cli.numbers import pluralize
 from pounding_cli.reading import shorten_path
 from pounding_cli.records.declaration import Declaration
@@ -150,7 +150,7 @@ def intensity_factor(unit: str | None, si: str, file: str) -> float:
     if factor is None:
         message = f"'{unit[:40]}' is no unit of this intensity" if unit else "nothing says the unit of the intensity"
         hint = f"write `unit: {_EXAMPLE_UNITS[si]}` beside it" if si else "leave `unit` out: a scale factor has none"
-        raise InputError(Problem(message, hint, file))
+        raise InputError(Issue((), message, hint, file=file))
     return factor
 
 

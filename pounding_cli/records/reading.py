@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from pounding_cli.cells import CurableError, TextFile, load_text
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError, Issue
 from pounding_cli.numbers import pluralize
 from pounding_cli.records.checks import MAX_PEAK as MAX_PEAK  # others take it from here
 from pounding_cli.records.checks import check_motion, check_samples
@@ -48,7 +48,7 @@ class Reading:
     motion: Motion
     format: str
     lines: tuple[str, ...]
-    doubts: tuple[Problem, ...] = ()
+    doubts: tuple[Issue, ...] = ()
 
 
 def read_file(

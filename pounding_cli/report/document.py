@@ -8,7 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError, Issue
 from pounding_cli.outputs import check_folder
 from pounding_cli.report.summary import Summary
 from pounding_cli.tables import Table
@@ -127,7 +127,7 @@ class Report:
             return files
         except OSError as error:
             hint = "name a folder you may write to: pound report FILE.h5 -o FOLDER"
-            problem = Problem(f"cannot write the report to {folder}: {error.strerror or error}", hint)
+            problem = Issue((), f"cannot write the report to {folder}: {error.strerror or error}", hint)
             raise InputError(problem) from error
 
     def _repr_html_(self) -> str:

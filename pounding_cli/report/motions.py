@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError, Issue
 from pounding_cli.numbers import Unit
 from pounding_cli.records.motion import Motion, displacement, husid, significant_duration, spectrum, velocity
 from pounding_cli.records.scaling import SpectrumMatch, TargetSpectrum
@@ -29,7 +29,7 @@ def save_motion_figure(motion: Motion, title: str, path: Path) -> None:
     suffix = path.suffix.lower().lstrip(".")
     if suffix not in FIGURE_FORMATS:
         hint = f"end the name with one of .{', .'.join(FIGURE_FORMATS)}"
-        raise InputError(Problem(f"cannot draw a '{path.suffix}' file", hint, str(path)))
+        raise InputError(Issue((), f"cannot draw a '{path.suffix}' file", hint, file=str(path)))
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_bytes(drawn_as(draw_motion(motion, title), suffix))
 

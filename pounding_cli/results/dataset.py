@@ -404,7 +404,10 @@ def _study(plan: Plan) -> dict[str, Array]:
     texts = {
         "study_text": (study.text, "study as written"),
         "study_resolved": (resolved, "study with every default, SI; JSON"),
-        "study_warnings": (json.dumps([vars(each) for each in study.warnings]), "what pound check says of it; JSON"),
+        "study_warnings": (
+            json.dumps([each.to_data() for each in study.warnings]),
+            "what pound check says of it; JSON",
+        ),
     }
     if match is not None:
         texts["study_spectrum"] = json.dumps(asdict(match)), "spectra of the motions against their target; JSON"

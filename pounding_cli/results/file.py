@@ -12,7 +12,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError, Issue
 from pounding_cli.numbers import Unit
 from pounding_cli.results.arrays import Array, ResultArrays, read_arrays, to_hdf5
 from pounding_cli.tables import Column, Table
@@ -63,7 +63,7 @@ def write_file(path: Path, *parts: bytes | memoryview) -> Path:
         hidden.replace(path)
     except OSError as error:
         hint = "free some space or choose another place; what a run has solved is kept, and the same command goes on"
-        raise InputError(Problem(f"cannot be written: {error.strerror or error}", hint, str(path))) from None
+        raise InputError(Issue((), f"cannot be written: {error.strerror or error}", hint, file=str(path))) from None
     finally:
         hidden.unlink(missing_ok=True)
     return path
@@ -256,4 +256,4 @@ def _check(group: h5py.h5g.GroupID, path: Path, size: int) -> None:
 
 
 def _bad(path: Path, what: str, hint: str = _HINT) -> InputError:
-    return InputError(Problem(what, hint, str(path)))
+    return InputError(Issue((), what, hint, file=str(path)))

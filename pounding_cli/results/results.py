@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError, Issue
 from pounding_cli.laws import link_symbol
 from pounding_cli.laws.apart import Apart
 from pounding_cli.laws.formula import WRITTEN_LAWS
@@ -104,7 +104,7 @@ class ResultTables:
         except (KeyError, ValueError, TypeError, AttributeError) as error:
             what = f"does not hold what results hold ({error})"
             hint = "give the file that pound run wrote, or run the study again"
-            raise InputError(Problem(what, hint, str(self.path))) from error
+            raise InputError(Issue((), what, hint, file=str(self.path))) from error
 
     def _read_attributes(self) -> None:
         arrays = self.arrays
@@ -117,7 +117,7 @@ class ResultTables:
         self.answers = tuple(json.loads(self.attrs.get("answers", "[]")))
         self.study_text = str(arrays["study_text"].values.item())
         self.resolved_text = str(arrays["study_resolved"].values.item())
-        self.warnings = tuple(Problem(**each) for each in json.loads(str(arrays["study_warnings"].values.item())))
+        self.warnings = tuple(Issue((), **each) for each in json.loads(str(arrays["study_warnings"].values.item())))
         self.assumed_heights: tuple[str, ...] = tuple(map(escape_controls, json.loads(self.attrs["assumed_heights"])))
         self.methods: tuple[str, ...] = tuple(json.loads(self.attrs["methods"]))
         self.swept: list[list[str]] = json.loads(self.attrs["swept"])
@@ -197,7 +197,9 @@ class ResultTables:
     def answer(self, name: str) -> Table:
         """One of the tables of `answers`.  Raises InputError: the file has no such table."""
         if name not in self.answers:
-            raise InputError(Problem(f"has no table {name}", f"it has: {', '.join(self.tables)}", str(self.path)))
+            raise InputError(
+                Issue((), f"has no table {name}", f"it has: {', '.join(self.tables)}", file=str(self.path))
+            )
         if name not in self._answers:
             self._answers[name] = read_table(self.path, name)
         return self._answers[name]
@@ -407,7 +409,7 @@ class ResultTables:
         if not histories:
             where = ""
             hint = "add `keep: histories` to the study and run it again; what is solved stays"
-        raise InputError(Problem(f"keeps {len(matches) or 'no'} histories{where}", hint, str(self.path)))
+        raise InputError(Issue((), f"keeps {len(matches) or 'no'} histories{where}", hint, file=str(self.path)))
 
     def first_sample(self) -> ResultTables:
         """Return the same with the last swept axis cut to its first point; tables of `answers` stay whole."""

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from pydantic_core import PydanticCustomError
 
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError, Issue
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.study.construct.buildings import build_building
@@ -26,7 +26,7 @@ from pounding_cli.study.schema.quantity import Quantity
 from pounding_cli.study.schema.study import StudySpec
 from pounding_cli.study.study import Study
 from pounding_cli.study.text.file import Items, Map, Mark, Problems, canonical, dump_yaml
-from pounding_cli.study.text.issues import Issue, IssuesFound
+from pounding_cli.study.text.issues import IssuesFound
 from pounding_cli.study.vary.changes import Change
 from pounding_cli.texts import to_file_name
 
@@ -90,7 +90,7 @@ def _node(value: Any, place: str) -> Any:
     if value is None or isinstance(value, bool | int | float | str):
         return value
     hint = "write numbers (SI), texts such as '5 cm', lists and dicts"
-    raise InputError(Problem(f"{type(value).__name__} is not a value of a study", hint, place))
+    raise InputError(Issue((), f"{type(value).__name__} is not a value of a study", hint, file=place))
 
 
 def building_of(name: str, keys: Mapping[str, Any]) -> Building:
@@ -138,10 +138,7 @@ def _placed_in(tree: Map) -> Iterator[None]:
     except IssuesFound as refused:
         problems = Problems("")
         for issue in refused.issues:
-            if isinstance(issue, Issue):
-                problems.add_issue(tree, issue)
-            else:
-                problems.extend([issue])
+            problems.add_issue(tree, issue)
         problems.check()
 
 
@@ -163,4 +160,4 @@ def quantity(form: Quantity, value: Any, key: str) -> float:
         return float(form.read(value))
     except PydanticCustomError as refused:
         context = refused.context or {}
-        raise InputError(Problem(context.get("message", str(refused)), context.get("hint", ""), key)) from None
+        raise InputError(Issue((), context.get("message", str(refused)), context.get("hint", ""), file=key)) from None

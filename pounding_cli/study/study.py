@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from pounding_cli import records
-from pounding_cli.errors import Problem
+from pounding_cli.errors import Issue
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.numbers import Unit
@@ -63,7 +63,7 @@ class Study:
     spec: StudySpec
     parts: StudyParts
     units_from: Map
-    warnings: tuple[Problem, ...]
+    warnings: tuple[Issue, ...]
     from_data: bool
     reader: MotionReader
     changes: tuple[Change, ...] = ()

@@ -10,9 +10,10 @@ import pytest
 import yaml
 
 import pounding_cli as pound
+from pounding_cli.errors import Issue
 from pounding_cli.study.construct import resolve as resolving
 from pounding_cli.study.construct.swept import Swept, build_constant, build_object_array, sweep_map
-from pounding_cli.study.text.issues import Issue, Issues, IssuesFound
+from pounding_cli.study.text.issues import Issues, IssuesFound
 
 STUDY = yaml.safe_load("""
 title: Two frames

@@ -9,9 +9,9 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
+from pounding_cli.errors import Issue
 from pounding_cli.study.schema.base import Model, spec_field
 from pounding_cli.study.schema.quantity import LENGTH, MASS, PLAUSIBLE_RANGES, TIME, ParsedText, Quantity, WholeNumber
-from pounding_cli.study.text.issues import Issue
 
 _PLACE = re.compile(r"\s{0,9}(mid-storey|floor)\s{1,9}([0-9]{1,9})\s{0,9}\Z")
 _HEIGHT = LENGTH.replace(name="height", example="13.5 m, `mid-storey 5` or `floor 4`", open_low=False)

@@ -7,11 +7,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator
 
+from pounding_cli.errors import Issue
 from pounding_cli.model.separation import CODE_RULES, GB_SHARE, GB_STEP, CodeRule
 from pounding_cli.questions.specs import ANNUAL_RATE, HAZARD_DESCRIPTION, Hazards, percents
 from pounding_cli.study.schema.base import Model, one_or_many, spec_field
 from pounding_cli.study.schema.quantity import ACCELERATION, ParsedText, Quantity, WholeNumber, refuse, written_unit
-from pounding_cli.study.text.issues import Issue
 
 
 class Gb50011Spec(Model):

@@ -7,10 +7,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import WithJsonSchema
 
+from pounding_cli.errors import Issue
 from pounding_cli.questions.specs import EXPRESSION, EXPRESSION_COLUMNS, SEED, STATEMENT
 from pounding_cli.study.schema.base import Model, mapping_schema, one_or_many, spec_field
 from pounding_cli.study.schema.quantity import WholeNumber
-from pounding_cli.study.text.issues import Issue
 
 _END = {"type": ["number", "string"]}
 _SEARCHED = mapping_schema("from", "to", **{"from": _END, "to": _END}, spacing={"enum": ["linear", "log"]})

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError, Issue
 from pounding_cli.questions.question import LateFunction, Question, StudyQuestion
 from pounding_cli.questions.screen.tables import COLUMNS_BY_TABLE
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 def _ask(study: Study) -> StudyQuestion:
     """Refuse a study: a screen asks of a table.  Raises InputError."""
     hint = "write `pound screen street.csv`; `pound gap` asks the same of one study"
-    raise InputError(Problem("a screen asks of a table of neighbours, not of a study", hint, study.file))
+    raise InputError(Issue((), "a screen asks of a table of neighbours, not of a study", hint, file=study.file))
 
 
 def _further_sections(results: ResultTables) -> Sequence[Section]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError, Issue
 from pounding_cli.numbers import pluralize
 from pounding_cli.reading import shorten_path
 from pounding_cli.study.construct.motions import MotionReader
@@ -127,7 +127,7 @@ class Street:
         """The reader of the motions, which all pairs have in common."""
         return MotionReader(self.path.resolve().parent)
 
-    def find_warnings(self) -> list[Problem]:
+    def find_warnings(self) -> list[Issue]:
         """Return the warnings of all pairs, each once.
 
         Raises InputError: with everything wrong in the studies of the pairs, so that none is refused once others are
@@ -135,8 +135,8 @@ class Street:
         """
         from pounding_cli.questions.gap.question import Gap
 
-        warnings: dict[str, Problem] = {}
-        problems: dict[str, Problem] = {}
+        warnings: dict[str, Issue] = {}
+        problems: dict[str, Issue] = {}
         checked_pairs = set()
         checked_hazards = set()
         for pair in self.pairs:
@@ -166,7 +166,7 @@ class Street:
         pairs = {pair.hazard_key: pair for pair in self.pairs if isinstance(pair.hazard, str) or "file" in pair.hazard}
         return list(dict.fromkeys(each for pair in pairs.values() for each in Gap(self.build_study(pair)).taken))
 
-    def _warn_known_once(self) -> Iterator[Problem]:
+    def _warn_known_once(self) -> Iterator[Issue]:
         """Yield a warning of every building of two rows of which one alone has what was measured."""
         for pair, next_pair in pairwise(self.pairs):
             if not pair.names[1] or pair.names[1] != next_pair.names[0]:
@@ -177,7 +177,7 @@ class Street:
                 known = " and ".join(sorted(here ^ there))
                 message = f"'{pair.names[1]}' has its {known} in one of the rows {pair.line} and {next_pair.line} alone"
                 hint = "write what is known of a building in both rows, as left and as right"
-                yield Problem(message, hint, shorten_path(self.path), next_pair.line, 1)
+                yield Issue((), message, hint, file=shorten_path(self.path), line=next_pair.line, column=1)
 
     def build_study(self, pair: NeighbourPair) -> Study:
         """Return the study of a pair, whose text is followed by the table as comments.
@@ -225,7 +225,7 @@ class Street:
         )
 
 
-def _warn_high_begin(question: Gap, pair: NeighbourPair) -> dict[str, Problem]:
+def _warn_high_begin(question: Gap, pair: NeighbourPair) -> dict[str, Issue]:
     """Return a warning of a hazard curve that begins with shaking so rare that weaker one may close a gap as well."""
     assert question.hazard is not None
     lowest = float(question.hazard.edges[0])
@@ -235,8 +235,11 @@ def _warn_high_begin(question: Gap, pair: NeighbourPair) -> dict[str, Problem]:
     pga = f"{lowest / ACCELERATION.read('1 g'):.3g} g"
     message = f"the hazard curve begins at {pga}, exceeded {rate:.2g} times a year: weaker shaking is not counted"
     line, column = pair.hazard_mark
-    place = (str(question.study.file), line, column) if isinstance(line, int) else (str(line), 0, 0)
-    warning = Problem(message, f"give it points down to {MIN_PGA:g} g", *place)
+    hint = f"give it points down to {MIN_PGA:g} g"
+    if isinstance(line, int):
+        warning = Issue((), message, hint, file=str(question.study.file), line=line, column=column)
+    else:
+        warning = Issue((), message, hint, file=str(line))
     return {str(warning): warning}
 
 

@@ -25,7 +25,7 @@ from pounding_cli.records.declaration import SEPARATOR_NAMES
 from pounding_cli.study.construct.written import read_spec
 from pounding_cli.study.schema.quantity import ACCELERATION, GAP, LENGTH, Quantity
 from pounding_cli.study.text.file import Map, Mark, Problems, dump_yaml, nearest, parse_value
-from pounding_cli.study.text.issues import Issue, IssuesFound
+from pounding_cli.study.text.issues import IssuesFound
 
 MAX_PAIRS = 10_000
 
@@ -346,10 +346,7 @@ class _RowReader:
             read_spec(tree, ("buildings", side))
         except IssuesFound as refused:
             for issue in refused.issues:
-                if isinstance(issue, Issue):
-                    self.problems.add_issue(tree, issue)
-                else:
-                    self.problems.extend([issue])
+                self.problems.add_issue(tree, issue)
         else:
             self._checked.add(written)
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Annotated, Literal
 
+from pounding_cli.errors import Issue
 from pounding_cli.questions.specs import CONFIDENCE_QUANTITY, EXPRESSION, EXPRESSION_COLUMNS, SEED, STATEMENT
 from pounding_cli.study.schema.base import Model, one_or_many, spec_field
 from pounding_cli.study.schema.quantity import WholeNumber
-from pounding_cli.study.text.issues import Issue
 
 
 class SensitivitySpec(Model):

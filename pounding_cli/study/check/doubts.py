@@ -13,11 +13,10 @@ from typing import Any, get_args, get_origin
 import numpy as np
 from pydantic import BaseModel
 
-from pounding_cli.errors import Problem
+from pounding_cli.errors import Issue, KeyPath
 from pounding_cli.study.schema.lookup import fields_of, leaf_types
 from pounding_cli.study.schema.quantity import NUMBER_PATTERN, ParsedText, PlausibleRange, Quantity, lacks_unit
 from pounding_cli.study.text.file import Mark, Problems, get, locate
-from pounding_cli.study.text.issues import KeyPath
 from pounding_cli.units import GRAVITY
 
 MAX_IN_G = 3.0
@@ -38,7 +37,7 @@ class Doubt:
     excess : power of ten by which it is beyond what is plausible; 0 where it is plausible
     """
 
-    problem: Problem
+    problem: Issue
     is_bare: bool
     excess: float
 
@@ -79,7 +78,7 @@ class Doubts:
         if problem not in [doubt.problem for doubt in doubts]:
             doubts.append(Doubt(problem, is_bare, excess))
 
-    def iter_merged(self) -> Iterator[Problem]:
+    def iter_merged(self) -> Iterator[Issue]:
         """Yield one warning a key: that of its worst value, which counts the others."""
         for doubts in self.by_key.values():
             worst = max(doubts, key=lambda doubt: (doubt.is_bare, doubt.excess))

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from pounding_cli.errors import KeyPath
 from pounding_cli.model.building import Building
 from pounding_cli.model.plan import FloorPlan
 from pounding_cli.model.twist import needs_plan
@@ -15,7 +16,6 @@ from pounding_cli.study.schema.floor_plan import PlanSpec
 from pounding_cli.study.schema.links import list_links
 from pounding_cli.study.study import Study
 from pounding_cli.study.text.file import Problems, get
-from pounding_cli.study.text.issues import KeyPath
 
 RATIOS_OF_TWIST = (0.7, 3.0)
 """Frequency of the twist over that along the row [-] beyond which it is warned of: frames at all edges give 1 to 1.5, a

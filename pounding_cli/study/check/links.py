@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from pounding_cli.errors import KeyPath
 from pounding_cli.laws.joints import MAX_STABLE_STEP_AT_REST, Viscous
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.model.building import Building
@@ -30,7 +31,6 @@ from pounding_cli.study.construct.link_places import build_ends
 from pounding_cli.study.schema.floor_places import FloorPair
 from pounding_cli.study.schema.links import ImpactSpec
 from pounding_cli.study.schema.quantity import FORCE_FACTORS, PLAUSIBLE_RANGES, Quantity
-from pounding_cli.study.text.issues import KeyPath
 from pounding_cli.units import GRAVITY
 
 

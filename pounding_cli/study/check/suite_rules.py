@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from pounding_cli.errors import Issue
 from pounding_cli.model.building import Building
 from pounding_cli.model.wall import Wall
 from pounding_cli.numbers import pluralize
@@ -15,7 +16,6 @@ from pounding_cli.records.motion import SPECTRUM_DAMPING
 from pounding_cli.study.construct.group import Group
 from pounding_cli.study.construct.motions import Suite
 from pounding_cli.study.schema.records import CodeTargetSpec, RecordsSpec, SpectrumSpec
-from pounding_cli.study.text.issues import Issue
 from pounding_cli.units import GRAVITY
 
 _RELATIVE_TOLERANCE = 1e-9

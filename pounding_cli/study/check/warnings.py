@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from pounding_cli.errors import Problem
+from pounding_cli.errors import Issue, KeyPath
 from pounding_cli.model.building import Building
 from pounding_cli.numbers import join_limited, pluralize
 from pounding_cli.study.check.archetype_words import warn_storeys_outside
@@ -44,7 +44,7 @@ from pounding_cli.study.schema.records import RecordsSpec
 from pounding_cli.study.schema.study import StudySpec
 from pounding_cli.study.study import Study
 from pounding_cli.study.text.file import Map, Mark, Problems, get
-from pounding_cli.study.text.issues import Issues, KeyPath
+from pounding_cli.study.text.issues import Issues
 from pounding_cli.study.vary.axes import UNWRITTEN, Axis, sweep_maps
 from pounding_cli.study.vary.inputs import UncertainInput
 from pounding_cli.study.vary.uncertain import list_seen_inputs, read_searched, read_uncertain
@@ -57,7 +57,7 @@ MAX_OPTIONS = 50
 """Options of an uncertain choice that are looked at."""
 
 
-def find_warnings(study: Study) -> tuple[Problem, ...]:
+def find_warnings(study: Study) -> tuple[Issue, ...]:
     """Return what is allowed in a study but should be known, in the order of its lines.
 
     Looked at are the first point of the sweep, the points where one axis moves away from it, the ends of uncertain and

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from pounding_cli.errors import Issue
 from pounding_cli.laws import storey_laws
 from pounding_cli.model.building import Building, Foundation, UnstableError, weight_above
 from pounding_cli.model.code_design import BaseShearDesign, Design, UbcDesign
@@ -16,7 +17,7 @@ from pounding_cli.model.wall import UNLIMITED_HEIGHT, Wall
 from pounding_cli.study.construct.floor_plans import build_plan, sum_stiffness, sum_yield_shear
 from pounding_cli.study.schema.building import BaseShearSpec, BuildingSpec, StiffnessAtSpec
 from pounding_cli.study.schema.links import own_parameters
-from pounding_cli.study.text.issues import Issue, IssuesFound
+from pounding_cli.study.text.issues import IssuesFound
 
 
 def build_building(name: str, spec: BuildingSpec) -> Building:

@@ -6,6 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from pounding_cli.errors import Issue, KeyPath
 from pounding_cli.laws import KELVIN_VOIGT, link_laws
 from pounding_cli.laws.pounding import damping_ratio, restitution_from_damping
 from pounding_cli.study.construct.link_names import Names
@@ -25,7 +26,7 @@ from pounding_cli.study.schema.links import (
     refuse_beside_links,
     refuse_key,
 )
-from pounding_cli.study.text.issues import Issue, IssuesFound, KeyPath
+from pounding_cli.study.text.issues import IssuesFound
 
 DEFAULT_RESTITUTION = 0.5
 """Coefficient of restitution where neither a link nor `impact` gives one or a damping ratio [-]."""

@@ -8,13 +8,14 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
+from pounding_cli.errors import KeyPath
 from pounding_cli.laws import link_laws
 from pounding_cli.study.construct.complete_links import complete_links, find_idle_shared_keys, find_key_issues
 from pounding_cli.study.construct.link_names import NamedInLink, Names, find_link_name_issues
 from pounding_cli.study.construct.written import iter_named_in_links, read_spec
 from pounding_cli.study.schema.links import NO_LINK, CaseSpec, ImpactSpec, SeveralLinksSpec
 from pounding_cli.study.text.file import Items, Map, get
-from pounding_cli.study.text.issues import IssuesFound, KeyPath
+from pounding_cli.study.text.issues import IssuesFound
 
 MAX_PRUNINGS = 5
 """Times that faulty keys are left out, as others may come to light behind them."""

@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from pounding_cli.errors import Issue
 from pounding_cli.model.plan import FloorPlan, FrameLine, find_square_radii
 from pounding_cli.model.stiffness import frequencies
 from pounding_cli.study.schema.floor_plan import PlanSpec
-from pounding_cli.study.text.issues import Issue, IssuesFound
+from pounding_cli.study.text.issues import IssuesFound
 
 EVENLY_SPREAD = 1.0 / math.sqrt(12.0)
 """Distance of two equal lines from their centre, over the width, at which they resist the twist as frames do that stand

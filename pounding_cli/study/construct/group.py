@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 
+from pounding_cli.errors import Issue
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import BASE
 from pounding_cli.model.meetings import find_meetings
@@ -15,7 +16,7 @@ from pounding_cli.numbers import join_limited, pluralize
 from pounding_cli.study.construct.link_places import Meeting
 from pounding_cli.study.schema.quantity import StoreyMultiple
 from pounding_cli.study.text.file import nearest
-from pounding_cli.study.text.issues import Issue, IssuesFound
+from pounding_cli.study.text.issues import IssuesFound
 
 MAX_IN_GROUP = 20
 

@@ -6,12 +6,12 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from pounding_cli.errors import Issue, KeyPath
 from pounding_cli.model.scene import Scene
 from pounding_cli.study.schema import study as schema
 from pounding_cli.study.schema.lookup import value_at
 from pounding_cli.study.schema.study import HistoriesSpec, KeepSpec
 from pounding_cli.study.text.file import Map, get, nearest
-from pounding_cli.study.text.issues import Issue, KeyPath
 from pounding_cli.study.vary.axes import Axis
 
 MAX_BYTES_OF_HISTORIES = 2_000_000_000

@@ -6,13 +6,14 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from pounding_cli.errors import Issue, KeyPath
 from pounding_cli.laws import contact_laws, link_laws
 from pounding_cli.numbers import pluralize
 from pounding_cli.study.construct.own_laws import OwnLaw
 from pounding_cli.study.schema.links import NO_LINK, list_links
 from pounding_cli.study.schema.quantity import StoreyMultiple
 from pounding_cli.study.text.file import nearest
-from pounding_cli.study.text.issues import Issue, IssuesFound, KeyPath
+from pounding_cli.study.text.issues import IssuesFound
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
+from pounding_cli.errors import Issue, KeyPath
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import BASE, Link
 from pounding_cli.model.meetings import Strike, deflection_of_columns, find_end_level, find_meetings, reach_of_slabs
@@ -16,7 +17,7 @@ from pounding_cli.numbers import pluralize
 from pounding_cli.study.schema.floor_places import FloorPair, FloorPlace
 from pounding_cli.study.schema.links import NO_LINK, LinkSpec, list_links
 from pounding_cli.study.schema.street_places import StreetSide
-from pounding_cli.study.text.issues import Issue, Issues, IssuesFound, KeyPath
+from pounding_cli.study.text.issues import Issues, IssuesFound
 
 # Where neighbours meet
 

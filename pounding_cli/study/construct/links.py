@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from pounding_cli.errors import Problem
+from pounding_cli.errors import Issue, KeyPath
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.laws.pounding import DashpotLaw
 from pounding_cli.model.links import Link
@@ -17,7 +17,7 @@ from pounding_cli.study.construct.own_laws import OwnLaw
 from pounding_cli.study.schema.links import NO_LINK, to_enum
 from pounding_cli.study.schema.quantity import LINK_STIFFNESS, StoreyMultiple
 from pounding_cli.study.schema.street_places import WHOLE_AT_CENTRES, find_link_arms
-from pounding_cli.study.text.issues import Issue, Issues, IssuesFound, KeyPath
+from pounding_cli.study.text.issues import Issues, IssuesFound
 
 # Laws
 
@@ -66,7 +66,7 @@ def build_laws(
         law = None
         may_be_at_columns = link.spec.at is not None or (link.law_class is not None and not link.law_class.joins)
         joins = may_be_at_columns or any(of_pair[number] for of_pair in floors)
-        found: Sequence[Issue | Problem] = ()
+        found: Sequence[Issue] = ()
         try:
             law = _build_law(link, impact, laws, dict(multiples))
         except IssuesFound as refused:
@@ -183,7 +183,7 @@ def _build_links_at(
         try:
             parts = _part_link(whole, links[number], meeting)
         except IssuesFound as refused:
-            issues |= {issue: None for issue in refused.issues if isinstance(issue, Issue)}
+            issues |= {issue: None for issue in refused.issues if not issue.is_placed}
             continue
         issue = _find_link_alike(parts, alike, path)
         if issue is not None:

@@ -14,7 +14,7 @@ from pathlib import Path, PurePath
 from typing import Any
 
 from pounding_cli import records
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError, Issue, KeyPath
 from pounding_cli.numbers import join_limited, pluralize
 from pounding_cli.reading import MAX_PATH_LENGTH, shorten_path
 from pounding_cli.records import Motion
@@ -31,7 +31,7 @@ from pounding_cli.study.schema.records import (
     SpectrumSpec,
 )
 from pounding_cli.study.text.file import nearest
-from pounding_cli.study.text.issues import Issue, Issues, IssuesFound, KeyPath, to_issues
+from pounding_cli.study.text.issues import Issues, IssuesFound, to_issues
 
 _VERTICAL = re.compile(r"(?:[-_ .](?:up|dwn|down|vert?)|\.ud\d?|dwn)\Z", re.IGNORECASE)
 # How the databases end the names of vertical components: -UP.AT2, DWN.AT2, .UD, .UD1.
@@ -168,7 +168,7 @@ class MotionReader:
                 records.get_entry(record, records.MOTION_SETS)  # refuses the name, with the nearest one
             record = RecordFileSpec(file=record)
         if len(record.file) > MAX_PATH_LENGTH:
-            raise InputError(Problem(f"a path of {len(record.file)} characters", "no path is that long"))
+            raise InputError(Issue((), f"a path of {len(record.file)} characters", "no path is that long"))
         written = os.path.expanduser(record.file)
         files = self._find_files(written)
         if not files:
@@ -176,10 +176,10 @@ class MotionReader:
             hint = "paths are relative to the study file"
             if records.find_set_name(written) is not None:
                 hint = f"write `{written}` without `file:` for the set of recorded motions; {hint}"
-            raise InputError(Problem(message, hint))
+            raise InputError(Issue((), message, hint))
         if record.name is not None and len(files) > 1:
             hint = "leave it out: each is called by its file's stem"
-            raise InputError(Problem(f"'name:' is one for {len(files)} files", hint))
+            raise InputError(Issue((), f"'name:' is one for {len(files)} files", hint))
         stems = Counter(each.stem for each in files)
         # K-NET's files of one record differ by their endings only.
         names = [each.stem if stems[each.stem] == 1 else each.name.replace(".", "-") for each in files]
@@ -196,7 +196,7 @@ class MotionReader:
         if os.path.exists(self.folder / str(name)):
             message = f"'{name}' is a set of recorded motions, and {shorten_path(self.folder / str(name))} exists too"
             hint = f"write `./{record}` for the files; give the folder another name to use the set"
-            raise InputError(Problem(message, hint))
+            raise InputError(Issue((), message, hint))
         return tuple(MotionItem(motion.name, set_motion=motion) for motion in records.select_set_motions(record))
 
     def _find_files(self, written: str) -> list[Path]:
@@ -211,7 +211,7 @@ class MotionReader:
         found = list(islice(visited, MAX_FILES + 1))
         if len(found) > MAX_FILES:
             hint = "begin the pattern nearer to the motions, e.g. `motions/**/*.AT2`"
-            raise InputError(Problem(f"{shorten_path(path)}: more than {MAX_FILES} files and folders", hint))
+            raise InputError(Issue((), f"{shorten_path(path)}: more than {MAX_FILES} files and folders", hint))
         fits = (self.folder / name for name in found if not deep or PurePath(name).match(tail))
         return sorted(each for each in fits if os.path.isfile(each))
 
@@ -300,7 +300,7 @@ class _Sources:
 def _merge_refusals(refusals: Sequence[InputError], written: str) -> Iterator[InputError]:
     """Yield refusals of the files that an entry of `use` stands for, those alike as one, with the entry as written in
     the line to paste."""
-    alike: dict[tuple[str, str], list[Problem]] = {}
+    alike: dict[tuple[str, str], list[Issue]] = {}
     for problem in (each for refused in refusals for each in refused.problems):
         hint = problem.hint.replace(records.write_file(problem.file), records.write_file(written))
         alike.setdefault((problem.message, hint), []).append(problem)
@@ -456,7 +456,7 @@ def _iter_doubts(vertical: Sequence[str], readings: Sequence[records.Reading]) -
     if vertical:
         hint = "name the horizontal ones, e.g. `{file: motions/*.NS}`"
         yield f"named like vertical components, will shake the buildings sideways: {join_limited(vertical)}", hint
-    doubts: dict[Problem, list[str]] = {}
+    doubts: dict[Issue, list[str]] = {}
     for each in readings:
         for doubt in each.doubts:
             doubts.setdefault(doubt, []).append(each.motion.name)

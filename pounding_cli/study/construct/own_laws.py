@@ -7,12 +7,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from pounding_cli.errors import Issue, KeyPath
 from pounding_cli.laws import link_laws
 from pounding_cli.laws.apart import Apart
 from pounding_cli.laws.formula import FORMULA_VARIABLES, WRITTEN_LAWS, FormulaError, WrittenLaw
 from pounding_cli.study.schema.links import NO_LINK
 from pounding_cli.study.text.file import Map, QuotedText, get, locate
-from pounding_cli.study.text.issues import Issue, IssuesFound, KeyPath
+from pounding_cli.study.text.issues import IssuesFound
 
 _TRIAL_GAP = 0.01
 """Gap [m] at which a formula is tried when it is read."""

@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from pounding_cli.errors import Issue, KeyPath
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
@@ -28,7 +29,7 @@ from pounding_cli.study.construct.written import find_names, read_spec
 from pounding_cli.study.schema.like import inherits_key
 from pounding_cli.study.schema.quantity import quote
 from pounding_cli.study.text.file import Map, get, with_value
-from pounding_cli.study.text.issues import Issue, Issues, IssuesFound, KeyPath
+from pounding_cli.study.text.issues import Issues, IssuesFound
 from pounding_cli.study.vary.axes import UNWRITTEN, Axis
 
 T = TypeVar("T")

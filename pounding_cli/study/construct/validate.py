@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from pounding_cli.errors import Problem
+from pounding_cli.errors import Issue
 from pounding_cli.study.construct import keep
 from pounding_cli.study.construct.group import unique_names
 from pounding_cli.study.construct.motions import MotionReader
@@ -16,7 +16,7 @@ from pounding_cli.study.construct.written import build_study_spec, note_unknown_
 from pounding_cli.study.schema.like import resolve_all_likes
 from pounding_cli.study.schema.study import StudySpec
 from pounding_cli.study.text.file import Map, Problems, nearest
-from pounding_cli.study.text.issues import Issue, Issues, drop_idle_axes
+from pounding_cli.study.text.issues import Issues, drop_idle_axes
 from pounding_cli.study.vary.axes import Axis
 from pounding_cli.study.vary.uncertain import read_uncertain
 
@@ -59,11 +59,11 @@ def place_issues(issues: Issues, tree: Map, axes: Sequence[Axis], problems: Prob
     """
     sizes = [len(axis) for axis in axes]
     trees: dict[Point, Map] = {}
-    at_points: dict[Problem, None] = {}
+    at_points: dict[Issue, None] = {}
     is_faulty = False
     for (issue, numbers), points in issues.points.items():
         for deciding in drop_idle_axes(numbers, points, sizes):
-            if isinstance(issue, Problem):
+            if issue.is_placed:
                 problems.extend([issue])
                 continue
             point = _choose_point(deciding, numbers, len(axes))
@@ -91,7 +91,7 @@ def _choose_point(deciding: Mapping[int, int], numbers: tuple[int, ...], count: 
 
 def _place_issue(
     issue: Issue, deciding: Mapping[int, int], tree: Map, axes: Sequence[Axis], file: str
-) -> tuple[Problem, bool]:
+) -> tuple[Issue, bool]:
     """Return an issue with its place, and whether it arises at a point of the sweep but stands elsewhere.
 
     deciding : places on the axes that decide about the issue

@@ -9,6 +9,7 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 from pydantic_core import PydanticCustomError
 
+from pounding_cli.errors import Issue, KeyPath
 from pounding_cli.study.construct.link_names import NamedInLink, Names, find_impact_name_issues, find_link_name_issues
 from pounding_cli.study.schema.archetypes import fill_archetype
 from pounding_cli.study.schema.building import BuildingSpec
@@ -18,7 +19,7 @@ from pounding_cli.study.schema.lookup import MAX_DESCRIBED, describe_error, desc
 from pounding_cli.study.schema.quantity import LINK_STIFFNESS
 from pounding_cli.study.schema.study import ENTRIES, StudySpec
 from pounding_cli.study.text.file import Items, Map, get
-from pounding_cli.study.text.issues import Issue, Issues, IssuesFound, KeyPath
+from pounding_cli.study.text.issues import Issues, IssuesFound
 
 _adapter = functools.cache(TypeAdapter)  # building one takes longer than a validation
 
@@ -46,7 +47,7 @@ def read_specs(tree: Map, issues: Issues, model: type[StudySpec] = StudySpec) ->
     for key in unknown[:MAX_DESCRIBED]:
         error = {"type": "extra_forbidden", "input": tree[key]}
         message, hint, at_key = describe_error(error, (key,), model, tree)
-        issues.add_written([Issue((key,), message, hint, at_key)])
+        issues.add_written([Issue((key,), message, hint, at_key=at_key)])
     if len(unknown) > MAX_DESCRIBED:
         message = f"and {len(unknown) - MAX_DESCRIBED} more problems like these"
         issues.add_written([Issue((unknown[MAX_DESCRIBED],), message, at_key=True)])
@@ -83,7 +84,7 @@ def _read_entries(tree: Map, name: str, field: Any, issues: Issues) -> dict[KeyP
 
 def _note_missing(tree: Map, name: str, issues: Issues) -> None:
     message, hint, at_key = describe_error({"type": "missing"}, (name,), StudySpec, tree)
-    issues.add_written([Issue((name,), message, hint, at_key)])
+    issues.add_written([Issue((name,), message, hint, at_key=at_key)])
 
 
 def _read_noted(tree: Map, path: KeyPath, kind: Any, issues: Issues, model: type[StudySpec]) -> Any:
@@ -152,7 +153,7 @@ def _find_orphan_issues(tree: Map, name: str, refused: IssuesFound) -> list[Issu
 
 def iter_issues(refused: IssuesFound) -> Iterator[Issue]:
     """Yield the issues that stand in the study."""
-    yield from (issue for issue in refused.issues if isinstance(issue, Issue))
+    yield from (issue for issue in refused.issues if not issue.is_placed)
 
 
 def build_study_spec(specs: dict[KeyPath, Any], issues: Issues, model: type[StudySpec]) -> StudySpec | None:

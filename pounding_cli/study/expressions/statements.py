@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 
 from pydantic_core import PydanticCustomError
 
+from pounding_cli.errors import KeyPath
 from pounding_cli.study.expressions.comparison import Comparison, parse_comparison
 from pounding_cli.study.expressions.expression import ExpressionError, Scope, find_point, parse_expression
 from pounding_cli.study.schema.quantity import Quantity, written_unit
 from pounding_cli.study.schema.study import StatementSpec
-from pounding_cli.study.text.issues import KeyPath
 
 
 @dataclass(frozen=True)

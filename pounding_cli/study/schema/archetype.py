@@ -7,11 +7,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator
 
+from pounding_cli.errors import Issue
 from pounding_cli.model.archetypes import DESIGNS, find_archetype, list_designs, list_types
 from pounding_cli.study.schema.base import Model, spec_field
 from pounding_cli.study.schema.quantity import WholeNumber, quote, refuse
 from pounding_cli.study.text.file import nearest
-from pounding_cli.study.text.issues import Issue
 
 DEFAULT_NEIGHBOURS = 30
 """Buildings that a neighbour may be, unless a study says how many."""

@@ -20,8 +20,8 @@ from pydantic import (
 )
 from pydantic_core import InitErrorDetails
 
+from pounding_cli.errors import Issue
 from pounding_cli.study.schema.quantity import refuse
-from pounding_cli.study.text.issues import Issue
 
 Name = Annotated[str, StringConstraints(pattern=r"^\w[\w +-]*$", max_length=60, strip_whitespace=True)]
 """A name that dotted keys lead through, as `cases.near.gap`; so it has no dot."""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, create_model
 
+from pounding_cli.errors import Issue
 from pounding_cli.laws import storey_laws
 from pounding_cli.laws.foundation import Bearings, FrictionPendulum, Rocking, Rubber, Sway
 from pounding_cli.numbers import pluralize
@@ -29,7 +30,6 @@ from pounding_cli.study.schema.quantity import (
     quote,
     refuse,
 )
-from pounding_cli.study.text.issues import Issue
 
 # Buildings
 

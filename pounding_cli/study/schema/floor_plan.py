@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 from pydantic_core import PydanticCustomError
 
+from pounding_cli.errors import Issue
 from pounding_cli.study.schema.base import Model, list_or, one_or_many, spec_field
 from pounding_cli.study.schema.quantity import (
     BOTH_SIGNS,
@@ -21,7 +22,6 @@ from pounding_cli.study.schema.quantity import (
     quote,
     refuse,
 )
-from pounding_cli.study.text.issues import Issue
 
 PLACE = Quantity("place", "m", "-6 m", -1000.0, 1000.0)
 """A place across the row [m], from the middle of a plan."""

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from pounding_cli.errors import Issue, KeyPath
 from pounding_cli.study.schema.building import BASE_SHEAR
 from pounding_cli.study.text.file import Items, Map, get, nearest
-from pounding_cli.study.text.issues import Issue, IssuesFound, KeyPath
+from pounding_cli.study.text.issues import IssuesFound
 
 CODE = frozenset({"code", "zone", "soil", "importance", "Rw", "K"})
 """Keys of a yield that speak of a code."""

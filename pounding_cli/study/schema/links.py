@@ -19,6 +19,7 @@ from pydantic import (
     create_model,
 )
 
+from pounding_cli.errors import Issue, KeyPath
 from pounding_cli.laws import KELVIN_VOIGT, contact_laws, link_laws
 from pounding_cli.laws.pounding import Pounding
 from pounding_cli.numbers import pluralize
@@ -38,7 +39,6 @@ from pounding_cli.study.schema.quantity import (
     refuse,
 )
 from pounding_cli.study.schema.street_places import PlaceOfLink, PlaceParser
-from pounding_cli.study.text.issues import Issue, KeyPath
 
 POUNDING = Pounding.name
 NO_LINK = "none"

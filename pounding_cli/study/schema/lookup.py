@@ -12,6 +12,7 @@ from typing import Any, get_args, get_origin, get_type_hints
 from pydantic import BaseModel, ValidationError
 from pydantic_core import PydanticCustomError
 
+from pounding_cli.errors import Issue, KeyPath
 from pounding_cli.laws import KELVIN_VOIGT, contact_laws, link_laws
 from pounding_cli.study.schema.links import (
     NO_LINK,
@@ -27,7 +28,6 @@ from pounding_cli.study.schema.quantity import SEVERAL_VALUES, Quantity, ValuePa
 from pounding_cli.study.schema.records import CODE_TARGETS
 from pounding_cli.study.schema.study import ONCE, StudySpec, find_section_names
 from pounding_cli.study.text.file import dump_yaml, get, nearest
-from pounding_cli.study.text.issues import Issue, KeyPath
 
 
 @functools.cache
@@ -165,7 +165,7 @@ def describe_errors(error: ValidationError, path: KeyPath, model: type[BaseModel
             break
         message, hint, at_key = describe_error(dict(item), at, model, tree)
         if message:
-            issues.append(Issue(at, message, hint, at_key))
+            issues.append(Issue(at, message, hint, at_key=at_key))
     return issues
 
 

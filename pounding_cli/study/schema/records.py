@@ -9,6 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field, WrapValidator, model_validator
 
+from pounding_cli.errors import Issue
 from pounding_cli.records.code_spectra import (
     ASCE7,
     CODES,
@@ -36,7 +37,6 @@ from pounding_cli.study.schema.quantity import (
     refuse,
 )
 from pounding_cli.study.text.file import nearest
-from pounding_cli.study.text.issues import Issue
 
 
 def _check_unit(text: str) -> str:

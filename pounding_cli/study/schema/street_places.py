@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pydantic_core import PydanticCustomError
 
+from pounding_cli.errors import Issue, KeyPath
 from pounding_cli.model.building import Building
 from pounding_cli.study.schema.floor_plan import PLACE
 from pounding_cli.study.schema.quantity import ParsedText, Quantity, quote, refuse
-from pounding_cli.study.text.issues import Issue, IssuesFound, KeyPath
+from pounding_cli.study.text.issues import IssuesFound
 
 if TYPE_CHECKING:  # `links.py` imports this file
     from pounding_cli.study.schema.links import LinkSpec

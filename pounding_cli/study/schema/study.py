@@ -9,6 +9,7 @@ from pydantic import ConfigDict, Field, StringConstraints, WithJsonSchema, creat
 from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 from pydantic_core import core_schema
 
+from pounding_cli.errors import Issue
 from pounding_cli.laws import link_laws
 from pounding_cli.methods import ACCURACY, METHODS, TIME_STEP
 from pounding_cli.study.schema.base import (
@@ -25,7 +26,6 @@ from pounding_cli.study.schema.building import BuildingSpec
 from pounding_cli.study.schema.links import NO_LINK, OWN_LAW, CaseSpec, ImpactSpec, OwnLawSpec, link_models
 from pounding_cli.study.schema.quantity import TIME, Quantity
 from pounding_cli.study.schema.records import RecordsSpec
-from pounding_cli.study.text.issues import Issue
 
 AnalysisName = Literal["elastic", "inelastic"]
 _Kind = TypeVar("_Kind")

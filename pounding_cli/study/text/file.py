@@ -14,9 +14,8 @@ from typing import Any, cast
 
 import yaml
 
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError, Issue, KeyPath
 from pounding_cli.reading import has_signature, read_bytes, shorten_path
-from pounding_cli.study.text.issues import Issue, KeyPath
 from pounding_cli.texts import CONTROL, escape_controls
 
 Mark = tuple[Any, int]
@@ -197,13 +196,15 @@ def read_study(path: Path) -> tuple[str, Map]:
     shown = shorten_path(path)
     if has_signature(path, b"\x89HDF"):
         hint = "name the study that it was made from; `pound show` prints results"
-        raise InputError(Problem("this is a results file, not a study", hint, shown))
+        raise InputError(Issue((), "this is a results file, not a study", hint, file=shown))
     raw = read_bytes(path, MAX_BYTES, "study file")
     try:
         text = raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
-        raise InputError(Problem("the file is not UTF-8 text", "save it as UTF-8", shown, line, 1)) from None
+        raise InputError(
+            Issue((), "the file is not UTF-8 text", "save it as UTF-8", file=shown, line=line, column=1)
+        ) from None
     return text, parse(text, shown)
 
 
@@ -216,7 +217,7 @@ def parse(text: str, file: str) -> Map:
         raise InputError(_syntax(file, error, text)) from None
     except yaml.YAMLError as error:
         hint = "remove control characters; save the file as UTF-8 text"
-        raise InputError(Problem(f"this is not YAML: {error}", hint, file, 1, 1)) from None
+        raise InputError(Issue((), f"this is not YAML: {error}", hint, file=file, line=1, column=1)) from None
     if root is None:
         reader.refuse((1, 1), "the file is empty", "begin with a commented study: pound init my-study")
     elif not isinstance(root, Map):
@@ -241,7 +242,7 @@ def parse_value(text: str, source: str) -> Any:
     except yaml.YAMLError as error:
         message = error.problem if isinstance(error, yaml.MarkedYAMLError) and error.problem else "unreadable"
         hint = "check its brackets, quotes and commas; put quotes of YAML around a text with signs"
-        raise InputError(Problem(f"the value is not YAML: {message}", hint, source)) from None
+        raise InputError(Issue((), f"the value is not YAML: {message}", hint, file=source)) from None
     except InputError as refused:
         raise InputError([replace(each, line=0, column=0) for each in refused.problems]) from None
     return value
@@ -422,7 +423,7 @@ def _height(node: Any) -> int:
     return max((1 + _height(child) for child in below), default=0)
 
 
-def _syntax(file: str, error: yaml.MarkedYAMLError, text: str) -> Problem:
+def _syntax(file: str, error: yaml.MarkedYAMLError, text: str) -> Issue:
     """Return the problem of a text that is no YAML, with the slip that it comes from where that is known."""
     mark = error.problem_mark or error.context_mark
     line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
@@ -435,13 +436,13 @@ def _syntax(file: str, error: yaml.MarkedYAMLError, text: str) -> Problem:
         if slip := MISSING_BLANK.match(row.strip().removeprefix("- ")):
             message = f"'{slip[0]}' needs a space after its colon"
             indent = len(row) - len(row.lstrip())
-            return Problem(message, f"write `{slip[1]}: {slip[2]}`", file, number, indent + 1)
+            return Issue((), message, f"write `{slip[1]}: {slip[2]}`", file=file, line=number, column=indent + 1)
     hint = "check brackets, quotes, commas, indentation and # around this place; a # hides the rest of its line"
     if "\t" in message or "".join(lines[line - 1 : line]).lstrip(" ").startswith("\t"):
         hint = "indent with spaces: YAML does not allow tabs"
     elif "mapping values are not allowed" in message:
         hint = "put quotes around a value that holds ': '"
-    return Problem(f"this is not YAML: {message}", hint, file, line, column)
+    return Issue((), f"this is not YAML: {message}", hint, file=file, line=line, column=column)
 
 
 class Problems:
@@ -449,26 +450,30 @@ class Problems:
 
     def __init__(self, file: str) -> None:
         self.file = file
-        self.found: dict[Problem, Any] = {}
+        self.found: dict[Issue, Any] = {}
 
     def add(self, mark: Mark, message: str, hint: str = "") -> None:
         """Note a problem at a line and column, or at a key of Python data."""
-        place: Any = (self.file, *mark)
-        if isinstance(mark[0], str):  # which names the key that the message begins with
-            place = (mark[0], 0, 0)
-            message = message.removeprefix(f"{mark[0].split('.')[-1]}: ")
-        self.found[Problem(message, hint, *place)] = None
+        line, column = mark
+        if isinstance(line, str):  # which names the key that the message begins with
+            message = message.removeprefix(f"{line.split('.')[-1]}: ")
+            self.found[Issue((), message, hint, file=line)] = None
+        else:
+            self.found[Issue((), message, hint, file=self.file, line=line, column=column)] = None
 
     def add_at(self, root: Any, path: KeyPath, message: str, hint: str = "", key: bool = False) -> None:
         """Note a problem with the value (or the key) at `path`."""
         self.add(locate(root, path, key), message, hint)
 
-    def extend(self, problems: Iterable[Problem]) -> None:
+    def extend(self, problems: Iterable[Issue]) -> None:
         """Note problems found elsewhere."""
         self.found |= dict.fromkeys(problems)
 
     def add_issue(self, tree: Any, issue: Issue) -> None:
-        """Note an issue at the line and column that the file has it at."""
+        """Note an issue at the line and column that the file has it at; one of another file stands where it does."""
+        if issue.is_placed:
+            self.extend([issue])
+            return
         line, column = locate(tree, issue.path, issue.at_key)
         self.add((line, column + issue.offset), issue.message, issue.hint)
 
@@ -477,7 +482,9 @@ class Problems:
         if self.found:
             ordered = sorted(self.found, key=lambda p: (p.file, p.line, p.column))
             if (more := len(ordered) - 2 * MAX_PROBLEMS) > 0:
-                ordered[2 * MAX_PROBLEMS :] = [Problem(f"and {more} more problems", "correct these first", self.file)]
+                ordered[2 * MAX_PROBLEMS :] = [
+                    Issue((), f"and {more} more problems", "correct these first", file=self.file)
+                ]
             raise InputError(ordered)
 
 
@@ -535,4 +542,4 @@ def kind_of_file(path: Path) -> str:
 def refuse_other_kinds(root: Any, file: str, own: str = "run") -> None:
     """Raise `InputError` with the right command where a study is not one of `pound {own}`."""
     if (command := kind_of(root, own)) != own:
-        raise InputError(Problem(f"is a study of `pound {command}`", f"write `pound {command} {file}`", file))
+        raise InputError(Issue((), f"is a study of `pound {command}`", f"write `pound {command} {file}`", file=file))

@@ -6,44 +6,22 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from pounding_cli.errors import Problem
-
-KeyPath = tuple[str | int, ...]
-"""Keys and places in lists from the top of a study down to a value."""
-
-
-@dataclass(frozen=True)
-class Issue:
-    """One thing that is wrong with a study.
-
-    path : of the value
-    message, hint : what is wrong, and what to write instead
-    at_key : whether it stands at the key of the value, not at the value
-    offset : characters from the beginning of the value to what is wrong
-    """
-
-    path: KeyPath
-    message: str
-    hint: str = ""
-    at_key: bool = False
-    offset: int = 0
+from pounding_cli.errors import Issue, KeyPath
 
 
 class IssuesFound(Exception):
     """Raised by what builds a part of a study.
 
-    issues : what is wrong; a Problem where it stands in another file, as that of a motion
+    issues : what is wrong; with its line where it stands in another file, as that of a motion
     """
 
-    def __init__(self, issues: Iterable[Issue | Problem]) -> None:
+    def __init__(self, issues: Iterable[Issue]) -> None:
         self.issues = tuple(issues)
         super().__init__("\n".join(each.message for each in self.issues))
 
     def below(self, *path: str | int) -> IssuesFound:
         """Return the same issues of a part that stands at `path`."""
-        placed = [
-            each if isinstance(each, Problem) else replace(each, path=(*path, *each.path)) for each in self.issues
-        ]
+        placed = [each if each.is_placed else replace(each, path=(*path, *each.path)) for each in self.issues]
         return IssuesFound(placed)
 
 
@@ -54,17 +32,17 @@ class Issues:
     points : of every issue and the axes that it was found on, the points of these axes
     """
 
-    points: dict[tuple[Issue | Problem, tuple[int, ...]], dict[tuple[int, ...], None]] = field(default_factory=dict)
+    points: dict[tuple[Issue, tuple[int, ...]], dict[tuple[int, ...], None]] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.points)
 
-    def add(self, axes: tuple[int, ...], index: tuple[int, ...], issues: Iterable[Issue | Problem]) -> None:
+    def add(self, axes: tuple[int, ...], index: tuple[int, ...], issues: Iterable[Issue]) -> None:
         """Note issues at a point of some axes."""
         for issue in issues:
             self.points.setdefault((issue, axes), {})[index] = None
 
-    def add_written(self, issues: Iterable[Issue | Problem]) -> None:
+    def add_written(self, issues: Iterable[Issue]) -> None:
         """Note issues of the study as it is written."""
         self.add((), (), issues)
 
@@ -93,9 +71,9 @@ def drop_idle_axes(
     return [dict(zip(deciding, point, strict=True)) for point in remaining]
 
 
-def to_issues(refused: Any, path: KeyPath) -> list[Issue | Problem]:
+def to_issues(refused: Any, path: KeyPath) -> list[Issue]:
     """Return the problems of an InputError as issues of the value at `path`; those inside a file keep their place."""
-    issues: list[Issue | Problem] = []
+    issues: list[Issue] = []
     for problem in refused.problems:
         if problem.line:
             issues.append(problem)

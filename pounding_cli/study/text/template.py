@@ -8,7 +8,7 @@ import os
 from importlib import resources
 from pathlib import Path
 
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError, Issue
 from pounding_cli.outputs import check_output
 from pounding_cli.study.text.file import Map, kind_of_file, nearest, read_study
 
@@ -66,13 +66,13 @@ def start_study(name: str, schema: str, template: str = "pair", like: str | None
     InputError : the study exists already, its folder cannot be written, or there is no such example
     """
     if like is not None and like not in find_examples():
-        raise InputError(Problem(f"there is no study '{like}' to start from", nearest(like, find_examples())))
+        raise InputError(Issue((), f"there is no study '{like}' to start from", nearest(like, find_examples())))
     path = Path(name) if Path(name).suffix in (".yaml", ".yml") else Path(f"{name}.yaml")
     title = path.stem.replace("-", " ").replace("_", " ").strip()
     if not (title.strip(". ") and os.path.basename(name)):
-        raise InputError(Problem(f"'{name}' names no file", "write a name, e.g. `pound init my-study`"))
+        raise InputError(Issue((), f"'{name}' names no file", "write a name, e.g. `pound init my-study`"))
     if os.path.exists(path):  # False for a name that is too long: the next check refuses that
-        raise InputError(Problem("is there already", "choose another name, or move it away", str(path)))
+        raise InputError(Issue((), "is there already", "choose another name, or move it away", file=str(path)))
     if like is None:
         source = resources.files(__package__) / "templates" / f"{template}.yaml"
         quoted = json.dumps(title[0].upper() + title[1:], ensure_ascii=False)
@@ -94,5 +94,5 @@ def start_study(name: str, schema: str, template: str = "pair", like: str | None
             each.write_text(text, encoding="utf-8")
     except OSError as error:
         hint = "choose a place that can be written"
-        raise InputError(Problem(f"cannot be written: {error.strerror or error}", hint, str(path))) from None
+        raise InputError(Issue((), f"cannot be written: {error.strerror or error}", hint, file=str(path))) from None
     return tuple(texts)

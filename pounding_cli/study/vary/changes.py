@@ -14,7 +14,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError, Issue
 from pounding_cli.study.schema import study as schema
 from pounding_cli.study.schema.lookup import keys_at
 from pounding_cli.study.schema.quantity import quote
@@ -74,7 +74,7 @@ def parse_changes(arguments: Sequence[str]) -> tuple[Change, ...]:
         label = _format_label(key, written)
         if not written:
             hint = f"write the value behind the =, e.g. `{_EXAMPLE}`; `null` stands for no value"
-            raise InputError(Problem("has no value", hint, label))
+            raise InputError(Issue((), "has no value", hint, file=label))
         value = parse_value(written, label)
         changes.append(Change(key, _mark_parts(value, label), written, (label, 0)))
     return tuple(changes)
@@ -87,21 +87,21 @@ def _format_label(key: str, written: str) -> str:
     return label if len(label) <= MAX_LABEL else f"{label[: MAX_LABEL - 3]}..."
 
 
-def _refuse_form(argument: str, before: Sequence[Change]) -> Problem:
+def _refuse_form(argument: str, before: Sequence[Change]) -> Issue:
     """Return what is wrong with an argument that is not KEY=VALUE.
 
     before : changes by the arguments before it
     """
     label = f"argument {escape_controls(argument)[:MAX_LABEL]}"
     if argument.endswith((".yaml", ".yml")):
-        return Problem("is a second study", "give one study, and behind it KEY=VALUE", label)
+        return Issue((), "is a second study", "give one study, and behind it KEY=VALUE", file=label)
     if before and "=" not in argument:
         last = before[-1]
         whole = shlex.quote(f"{last.written} {argument}")
         hint = f"put quotes around a value with blanks: `{last.key}={whole}`"
     else:
         hint = f"write the key, =, and the value in quotes, without blanks around the =, e.g. `{_EXAMPLE}`"
-    return Problem("is not KEY=VALUE", hint, label)
+    return Issue((), "is not KEY=VALUE", hint, file=label)
 
 
 def _mark_parts(value: Any, label: str) -> Any:
