@@ -538,7 +538,9 @@ def change(results: ResultTables, **edits) -> ResultTables:
 
 def set_optimum(results: ResultTables, direction: str, optimum: float, written: float) -> ResultTables:
     numbers = {"sought": f"{direction} largest drift in B", "optimum": optimum, "as_written": written, "error": np.nan}
-    return change(results, optimise=lambda frame: frame.assign(**numbers, value=[0.004, np.nan], option=["", "0.4"]))
+    changed = change(results, optimise=lambda frame: frame.assign(**numbers, value=[0.004, np.nan], option=["", "0.4"]))
+    changed.study_data["optimise"] |= {"least": None, "most": None, direction: "largest drift in B"}
+    return changed
 
 
 def first_sentence(results: ResultTables) -> str:
