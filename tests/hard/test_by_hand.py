@@ -49,9 +49,9 @@ def test_the_program_reads_the_same_numbers(name: str) -> None:
 
 @NAMES
 def test_the_integrator_finds_the_same_peaks(name: str) -> None:
-    """Within the accuracy asked, between 1e-6 and 1e-8, and within 1e-8 at 1e-12; as many contacts. Fails if the assembly
-    or a law of the program is wrong. (Light floors beside heavy ones turn rounding into 2e-9 of the peaks: with steps of
-    0.25, 0.1 and 0.05 radians the integrator itself differs by as much.)"""
+    """Within the accuracy asked, between 1e-6 and 1e-8, and within 1e-8 at 1e-12; as many contacts. Fails if the
+    assembly or a law of the program is wrong. (Light floors beside heavy ones turn rounding into 2e-9 of the peaks:
+    with steps of 0.25, 0.1 and 0.05 radians the integrator itself differs by as much.)"""
     scene, accuracy = find_scene(name)
     written = by_hand.SCENES[name]()
     twists = any(turns.size for turns in written.coordinates.turns)
