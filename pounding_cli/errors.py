@@ -6,19 +6,24 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from pounding_cli.notes import NOTES, Severity
+
 KeyPath = tuple[str | int, ...]
 """Keys and places in lists from the top of a study down to a value."""
 
 
 @dataclass(frozen=True)
 class Issue:
-    """One thing that is wrong with the input, or doubtful in it.
+    """One thing that is wrong with the input, doubtful in it, or limits what numbers say.
 
     path : of the value in a study, from which its line is found at the edge; () elsewhere
     message, hint : what is wrong, and what to write instead
     at_key : whether it stands at the key of the value, not at the value
     offset : characters from the beginning of the value to what is wrong
     file, line, column : where it stands, from 1; in Python data the file is the dotted key, and the line 0
+    code : its entry in the catalogue of notes; "" of a refusal, which needs none
+    of : path of the key of which the value is one of several: the worst of them is told; () of one that has its own
+    excess : how far a doubtful value is beyond what is usual, larger where it is worse
     """
 
     path: KeyPath
@@ -29,10 +34,22 @@ class Issue:
     file: str = ""
     line: int = 0
     column: int = 0
+    code: str = ""
+    of: KeyPath = ()
+    excess: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.code and self.code not in NOTES:
+            raise KeyError(self.code)
 
     def to_data(self) -> dict[str, Any]:
         """Return what is wrong and where, without the path in the study that the place was found by."""
-        return {name: getattr(self, name) for name in ("message", "hint", "file", "line", "column")}
+        return {name: getattr(self, name) for name in ("code", "message", "hint", "file", "line", "column")}
+
+    @property
+    def severity(self) -> Severity:
+        """How bad it is, by its entry in the catalogue."""
+        return NOTES[self.code].severity if self.code else Severity.ERROR
 
     @property
     def is_placed(self) -> bool:
@@ -43,7 +60,8 @@ class Issue:
         place = self.file
         if self.line:
             place += f":{self.line}:{self.column}"
-        text = f"{place}: {self.message}" if place else self.message
+        message = f"[{self.code}] {self.message}" if self.code else self.message
+        text = f"{place}: {message}" if place else message
         return f"{text}\n    {self.hint}" if self.hint else text
 
 

@@ -15,7 +15,7 @@ from pounding_cli.methods import METHODS
 from pounding_cli.questions import load_questions, study_model
 from pounding_cli.questions.gap.spec import Gb50011Spec, NtcSpec
 from pounding_cli.report.references import list_method_sources
-from pounding_cli.study.check.warnings import format_value
+from pounding_cli.study.check.values import format_value
 from pounding_cli.study.schema import building as building_spec
 from pounding_cli.study.schema import links as link_specs
 from pounding_cli.study.schema import records as records_spec

@@ -199,7 +199,7 @@ def import_(file: Path, name: str | None, force: bool, **options: Any) -> None:
 def _tell_taken(reading: motions.Reading) -> None:
     """Tell what was taken of a file, and what is doubtful about it."""
     for doubt in reading.doubts:
-        click.echo(f"warning: {doubt.message}\n    {doubt.hint}", err=True)
+        click.echo(f"warning: {doubt}", err=True)
     click.echo(escape_controls("\n  ".join(reading.lines)))
 
 

@@ -18,7 +18,8 @@ from pounding_cli.numbers import Unit, pluralize
 from pounding_cli.paper import load_point_command
 from pounding_cli.questions.frames import list_swept_columns
 from pounding_cli.solver.response import DONE
-from pounding_cli.study.check.doubts import Doubts, warn_values
+from pounding_cli.study.check.doubts import Doubts
+from pounding_cli.study.check.values import Written, check_values
 from pounding_cli.study.schema.lookup import describe_errors
 from pounding_cli.study.text.file import Problems, read_study, refuse_other_kinds, with_value
 from pounding_cli.study.vary.axes import Axis, read_axes
@@ -166,7 +167,7 @@ def load_sweep(path: Path, name: str, changes: Sequence[Change] = ()) -> Sweep:
         try:
             study: Any = command.spec.model_validate(tree)
             points.append(SweepPoint(label, study, swept))
-            warn_values(study, tree, (), doubts)
+            doubts.add(tree, check_values(Written(tree), study, ()))
         except ValidationError as error:
             for issue in describe_errors(error, (), command.spec, tree):
                 problems.add_issue(tree, issue)

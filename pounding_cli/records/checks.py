@@ -63,17 +63,17 @@ def check_samples(text: TextFile, samples: Samples, declared: Declaration) -> It
     yield from _check_extreme(text, samples, sizes, largest, declared.baseline == KEPT)
     if samples.dt < MIN_USUAL_STEP * (1 - 1e-6):
         message = f"the time step is {samples.dt:g} s, shorter than the {MIN_USUAL_STEP:g} s of any accelerograph"
-        yield Issue((), message, "check that the times are in seconds; write `dt:` if they are not")
+        yield Issue((), message, "check that the times are in seconds; write `dt:` if they are not", code="time-step")
     if samples.dt > MAX_USUAL_STEP * (1 + 1e-6):
         message = f"the time step is {samples.dt:g} s, longer than the {MAX_USUAL_STEP:g} s of any accelerograph"
         hint = "check `dt:`" if declared.dt is not None else "check that the column of times is no sample number"
-        yield Issue((), message, hint)
+        yield Issue((), message, hint, code="time-step")
     stated = find_stated_units(samples.heading)
     for line in samples.unread if not stated else ():
         stated += find_stated_units(line.words)
     if stated and not any(_is_one_unit(each, samples.unit) for each in stated):
         message = f"read in {samples.unit}, as declared, although the file says {stated[0]}"
-        yield Issue((), message, f"write `unit: {stated[0]}` if the file is right")
+        yield Issue((), message, f"write `unit: {stated[0]}` if the file is right", code="stated-unit")
 
 
 def _is_one_unit(stated: str, declared: str) -> bool:
@@ -114,7 +114,8 @@ def _check_extreme(
     if ratio > REPEATED_RATIO and not is_meant:
         when = f"{samples.dt * place:g} s, line {samples.find_line(place)}"
         message = f"one sample, {value:g} at {when}, is {ratio:.3g} times the largest other"
-        yield Issue((), message, "check that it is no spike; `skip:` passes over a number above the samples")
+        hint = "check that it is no spike; `skip:` passes over a number above the samples"
+        yield Issue((), message, hint, code="spike")
 
 
 def check_motion(text: TextFile, motion: Motion, samples: Samples, declared: Declaration) -> Iterator[Issue]:
@@ -165,4 +166,4 @@ def _check_drift(text: TextFile, motion: Motion, samples: Samples, declared: Dec
         raise text.refuse(f"{words}; no ground goes beyond {MAX_DISPLACEMENT:g} m", cure, samples.line)
     drifts = abs(end) > MAX_USUAL_END_VELOCITY * pgv(without_mean) and abs(values.mean()) > MAX_USUAL_MEAN * motion.pga
     if not is_meant and (drifts or reach > MAX_USUAL_DISPLACEMENT):
-        yield Issue((), words, cure)
+        yield Issue((), words, cure, code="drifting-ground")

@@ -186,7 +186,7 @@ def test_a_key_of_the_sweep_is_changed_there(folder, pound):
 def test_warnings_and_refusals_of_swept_values_name_the_argument(folder, pound):
     """Fails if a warning of a changed value names a line of the file, or a sweep in an argument is placed there."""
     err = pound("check", "two.yaml", "cases.gap.gap=2 m")[2]
-    assert err.startswith("warning: argument cases.gap.gap='2 m': gap is 2 m")
+    assert err.startswith("warning: argument cases.gap.gap='2 m': [value] gap is 2 m")
     code, _, err = pound("check", "two.yaml", "sweep.buildings.soft.period=[0.5 s, 50 h]")
     assert code == 2
     assert err.startswith("error: argument sweep.buildings.soft.period='[0.5 s, 50 h]': ")

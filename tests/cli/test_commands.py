@@ -161,7 +161,7 @@ def test_warnings_are_told_and_kept(folder, pound):
     for command in ("check", "run"):
         code, _, err = pound(command, "two.yaml")
         assert code == 0
-        assert "warning: two.yaml:9:30: gap is 2 m" in err
+        assert "warning: two.yaml:9:30: [value] gap is 2 m" in err
     (warning,) = pounding_cli.open_results("results/two.h5").warnings
     assert (warning.line, warning.column) == (9, 30)
 

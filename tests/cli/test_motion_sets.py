@@ -141,7 +141,8 @@ def test_a_duration_that_cuts_off_the_strong_part_is_doubted(sets, pound):
     for time, is_doubted in (("0.19 s", True), ("0.21 s", False), ("whole", False)):
         Path("s.yaml").write_text(study.replace("§TIME", time))
         err = " ".join(pound("check", "s.yaml")[2].split())
-        words = f"s.yaml:1:51: the first 0.19 s have less than half of the Arias intensity of: {FIRST}, {SECOND} write"
+        words = f"the first 0.19 s have less than half of the Arias intensity of: {FIRST}, {SECOND} write"
+        words = f"s.yaml:1:51: [duration] {words}"
         assert (words in err) == is_doubted, err
         assert ("Arias" in err) == is_doubted
 

@@ -182,7 +182,7 @@ def test_check_lists_the_first_point_of_a_sweep_and_warns_along_it(pound):
     assert "low-code, 1 storey (Hazus" in out
     assert "at the first value of buildings.theirs.archetype.storeys" in out
     assert re.search(r"period +0\.2000 s", out)
-    assert "two.yaml:10:52: theirs has 5 storeys, but C1L of HAZUS is of 1 to 3 storeys" in err
+    assert "two.yaml:10:52: [archetype] theirs has 5 storeys, but C1L of HAZUS is of 1 to 3 storeys" in err
 
 
 def test_what_sensitivity_does_not_vary_of_a_swept_neighbour_is_told(pound):

@@ -95,7 +95,7 @@ def test_a_step_that_no_accelerograph_has_is_told(motion, pound, tmp_path, comma
     said = flat(pound(command, "[{file: a.csv, unit: 0.01 g, time: 1}]").stderr)
     assert "a: the time step is 0.2 s, longer than the 0.05 s of any accelerograph" in said
     shown = CliRunner().invoke(cli, ["records", "show", "a.csv", "--unit", "0.01 g", "--time", "1"])
-    assert "warning: the time step is 0.2 s" in shown.stderr
+    assert "warning: [time-step] the time step is 0.2 s" in shown.stderr
 
 
 def test_a_unit_that_the_file_states_otherwise_is_told_with_both(motion, pound, tmp_path) -> None:

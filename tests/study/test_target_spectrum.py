@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ from pounding_cli.questions.gap import QUESTION as GAP
 from pounding_cli.records import CODES, TargetSpectrum
 from pounding_cli.records.motion import spectrum
 from pounding_cli.study import load_study_file
-from pounding_cli.study.check.suite_rules import find_suite_issues
+from pounding_cli.study.check.suite_rules import check_suite
 from pounding_cli.study.construct.buildings import build_building
 from pounding_cli.study.construct.group import Group
 from pounding_cli.study.construct.motions import MotionItem, MotionUse, Suite
@@ -337,6 +338,6 @@ def test_what_a_code_asks_of_motions_is_told(target, rest, count, told):
         }.items()
     )
     group = Group((first, second, third, wall), {})
-    found = list(find_suite_issues(spec, suite, group))
+    found = list(check_suite(SimpleNamespace(records=spec, suite=suite, group=group)))
     assert [issue.path[-1] for issue in found] == [key for key, _ in told]
     assert all(word in issue.message for issue, (_, word) in zip(found, told, strict=True))

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from pounding_cli.errors import Issue
 from pounding_cli.model.archetypes import (
     DAMAGE_STATES,
     MANUAL,
@@ -18,7 +19,7 @@ from pounding_cli.model.archetypes import (
 from pounding_cli.numbers import format_number, pluralize
 from pounding_cli.study.schema.archetypes import Seen, list_seen
 from pounding_cli.study.study import Study
-from pounding_cli.study.text.file import Map, Problems
+from pounding_cli.study.text.file import Map
 
 _TITLES = {"strength": "base shear V/W", "height": "storey height"}
 """Quantity -> its name in a line where it has another."""
@@ -126,8 +127,8 @@ def _describe_use(seen: Seen) -> str:
     )
 
 
-def warn_storeys_outside(tree: Map, notes: Problems) -> None:
-    """Note buildings that are only seen whose type does not have as many storeys.
+def check_storeys(tree: Map) -> Iterator[Issue]:
+    """Yield buildings that are only seen whose type does not have as many storeys.
 
     tree : the study at a point of its sweep
     """
@@ -137,7 +138,7 @@ def warn_storeys_outside(tree: Map, notes: Problems) -> None:
                 f"{seen.name} has {pluralize(seen.spec.storeys, 'storey')}, but {seen.spec.type} of HAZUS is of "
                 f"{seen.archetype.describe_range()}: its numbers are taken beyond their range"
             )
-            notes.add(seen.building["archetype"].marks["storeys"][1], message, _hint_type(seen))
+            yield Issue(("buildings", seen.name, "archetype", "storeys"), message, _hint_type(seen), code="archetype")
 
 
 def _hint_type(seen: Seen) -> str:

@@ -1,293 +1,59 @@
-"""Doubts about values: how a study collects them, what is plausible, and what may have been meant.
-
-The ranges are those of `quantity.py`."""
+"""Collect what is doubtful in a study: of every key the worst, at its line."""
 
 from __future__ import annotations
 
-import functools
-import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
-from typing import Any, get_args, get_origin
-
-import numpy as np
-from pydantic import BaseModel
+from typing import Any
 
 from pounding_cli.errors import Issue, KeyPath
-from pounding_cli.study.schema.lookup import fields_of, leaf_types
-from pounding_cli.study.schema.quantity import NUMBER_PATTERN, ParsedText, PlausibleRange, Quantity, lacks_unit
-from pounding_cli.study.text.file import Mark, Problems, get, locate
-from pounding_cli.units import GRAVITY
-
-MAX_IN_G = 3.0
-"""Largest number without a unit that may have been meant in g: recorded peaks reach 3 g."""
-
-MIN_IN_CM = 0.1
-"""Smallest number without a unit that may have been a gap in cm: of gaps in m hardly one is as wide."""
-
-AS_MEANT = "the study runs as it is"
-_NUMBER_AND_UNIT = re.compile(rf"\s*({NUMBER_PATTERN})\s*(.*?)\s*\Z")
-
-
-@dataclass(frozen=True)
-class Doubt:
-    """A warning of one value.
-
-    is_bare : whether the value has no unit
-    excess : power of ten by which it is beyond what is plausible; 0 where it is plausible
-    """
-
-    problem: Issue
-    is_bare: bool
-    excess: float
+from pounding_cli.study.text.file import Mark, get, locate, place_issue
 
 
 @dataclass
 class Doubts:
-    """Collects warnings of values by the keys that they are of.
+    """Collects issues by the keys that they are of, each at its line.
 
-    needs_units : whether a number should have its unit, as in a file; in Python data numbers are SI
+    by_key : of every key its issues, each with its excess
     """
 
     file: str
-    needs_units: bool = True
-    by_key: dict[KeyPath, list[Doubt]] = field(default_factory=dict)
+    by_key: dict[KeyPath, dict[Issue, float]] = field(default_factory=dict)
     _keys: dict[Mark, KeyPath] = field(default_factory=dict)
 
-    def add(
-        self,
-        root: Any,
-        path: KeyPath,
-        key: KeyPath,
-        message: str,
-        hint: str,
-        is_bare: bool = False,
-        excess: float = 0.0,
-    ) -> None:
-        """Note a warning of the value at `path`, one of those of `key`.
+    def add(self, tree: Any, issues: Iterable[Issue]) -> None:
+        """Note issues of a study whose file is `tree`.
 
         A value that several buildings or cases take from one place of the file counts for the first of them.
         """
-        mark = locate(root, path)
-        if get(root, *path) is not None:
-            key = self._keys.setdefault(mark, key)
-        noted = Problems(self.file)
-        noted.add(mark, message, hint)
-        (problem,) = noted.found
-        doubts = self.by_key.setdefault(key, [])
-        if problem not in [doubt.problem for doubt in doubts]:
-            doubts.append(Doubt(problem, is_bare, excess))
+        for issue in issues:
+            key = issue.of or issue.path
+            if get(tree, *issue.path) is not None:
+                key = self._keys.setdefault(locate(tree, issue.path), key)
+            placed = place_issue(tree, self.file, issue)
+            self.by_key.setdefault(key, {}).setdefault(placed, issue.excess)
+
+    def start_anew(self) -> Doubts:
+        """Return an empty collector, for which a value counts for the same key as here."""
+        return Doubts(self.file, _keys=dict(self._keys))
+
+    def add_where(self, where: str) -> None:
+        """Say in every issue where it arises; where : a point of the sweep in words."""
+        for key, issues in self.by_key.items():
+            self.by_key[key] = {
+                replace(issue, message=f"{issue.message} (where {where})"): excess for issue, excess in issues.items()
+            }
+
+    def extend(self, others: Doubts, only_new: bool = False) -> None:
+        """Note the issues of another collector; only_new : of keys of which nothing is noted here."""
+        for key, issues in others.by_key.items():
+            if not (only_new and key in self.by_key):
+                self.by_key.setdefault(key, {}).update(issues)
 
     def iter_merged(self) -> Iterator[Issue]:
-        """Yield one warning a key: that of its worst value, which counts the others."""
-        for doubts in self.by_key.values():
-            worst = max(doubts, key=lambda doubt: (doubt.is_bare, doubt.excess))
-            others = len(doubts) - 1
+        """Yield one issue a key: the worst, which counts the others."""
+        for issues in self.by_key.values():
+            worst = max(issues, key=issues.__getitem__)
+            others = len(issues) - 1
             more = f"; and {others} more like it" if others else ""
-            yield replace(worst.problem, message=worst.problem.message + more)
-
-
-@dataclass(frozen=True)
-class RelativeRange:
-    """The plausible range of values of a key, beside something else.
-
-    fits : plausible range of value * share
-    share : reciprocal of what they are compared with [1/SI unit of the value]
-    name : of the value, in words
-    than : what they are compared with, in words
-    """
-
-    fits: PlausibleRange
-    share: float
-    name: str
-    than: str
-
-    def ratio_in_words(self, value: float) -> str:
-        """Return the ratio in words, e.g. `0.2 times that of the stiffest storey`."""
-        return f"{value * self.share:.2g} {self.than}"
-
-
-# Values and their ranges
-
-
-def warn_values(
-    spec: BaseModel,
-    root: Any,
-    path: KeyPath,
-    doubts: Doubts,
-    compared: Mapping[str, RelativeRange] | None = None,
-    skip: Sequence[str] = (),
-) -> None:
-    """Note values that a validated mapping, or one below it, gives and that are implausible or have no unit.
-
-    compared : what the values of some of its keys are compared with
-    skip : keys that are not looked at
-    """
-    for key, (name, quantity) in list_quantities(type(spec)).items():
-        value = getattr(spec, name)
-        at = (*path, key)
-        written = get(root, *at)
-        if name not in spec.model_fields_set or written is None or key in skip:
-            continue
-        for below, each in _scalars_of(value, written):
-            here = (*at, *below)
-            if isinstance(each, BaseModel):
-                warn_values(each, root, here, doubts)
-            elif quantity is not None and isinstance(each, float):
-                warn_value(key, quantity, each, root, here, at, doubts, (compared or {}).get(key))
-
-
-def _scalars_of(value: Any, written: Any) -> list[tuple[KeyPath, Any]]:
-    """Return the values of a key, each with its place below it: those of a list, of a mapping, or the one."""
-    if isinstance(value, tuple):
-        return [((n,) if isinstance(written, list) else (), each) for n, each in enumerate(value)]
-    if isinstance(value, dict) and isinstance(written, dict):
-        return [((word,), each) for word, each in zip(written, value.values(), strict=False)]
-    return [((), value)]
-
-
-@functools.cache
-def list_quantities(model: type[BaseModel]) -> dict[str, tuple[str, Quantity | None]]:
-    """Return of every key of a mapping its attribute, and the quantity that it takes."""
-    names = {info.alias or name: name for name, info in model.model_fields.items()}
-    found = {}
-    for key, (hint, _) in fields_of(model).items():
-        kinds = list(leaf_types(hint))
-        kinds += [one for kind in kinds if get_origin(kind) in (tuple, dict) for one in leaf_types(get_args(kind)[-1])]
-        kinds += [one for kind in kinds if get_origin(kind) is tuple for one in leaf_types(get_args(kind)[0])]
-        quantities = (kind.quantity if isinstance(kind, ParsedText) else kind for kind in kinds)
-        found[key] = names[key], next((each for each in quantities if isinstance(each, Quantity)), None)
-    return found
-
-
-def warn_value(
-    key: str,
-    quantity: Quantity,
-    value: float,
-    root: Any,
-    path: KeyPath,
-    of: KeyPath,
-    doubts: Doubts,
-    compared: RelativeRange | None = None,
-) -> None:
-    """Note a value that is implausible or has no unit, with what may have been meant.
-
-    of : the key that it is a value of
-    compared : what it is compared with, in place of the plausible range of the quantity
-    """
-    text = find_text(root, path)
-    is_bare = lacks_its_unit(text, quantity)
-    if is_bare and quantity.si == "m/s2" and 0 < value <= MAX_IN_G:
-        message = f"{key}: {text} has no unit: it is {value:.4g} m/s2 = {value / GRAVITY:.3f} g"
-        doubts.add(root, path, of, message, f"write `{text} g`, or `{text} m/s2` if that is meant", is_bare=True)
-        return
-    if is_bare and quantity.name == "gap" and MIN_IN_CM <= value <= 1.0 and doubts.needs_units:
-        message = f"{key}: {text} has no unit: it is {value:.4g} m = {100 * value:.4g} cm"
-        doubts.add(root, path, of, message, f"write `{text} cm`, or `{text} m` if that is meant", is_bare=True)
-        return
-    fits = quantity.usual if compared is None else compared.fits
-    share = 1.0 if compared is None else compared.share
-    is_plausible = fits is None or fits.holds(value * share)
-    is_bare = is_bare and doubts.needs_units and customary_unit(quantity.si) != ""
-    if is_plausible and not is_bare:
-        return
-    units = units_of_size(quantity.si) if fits is None else fits.units
-    size = format_value(value, units)
-    if compared is not None:
-        size += f", {compared.ratio_in_words(value)}"
-    reason = "" if is_plausible or fits is None else f": {fits.reason}"
-    if is_bare:
-        message = f"{key}: {text} has no unit: it is {size}{reason}"
-        hint = suggest_unit(text, value, fits, share, quantity.si)
-    else:
-        assert fits is not None  # it is not plausible
-        message = f"{fits.name if compared is None else compared.name} is {size}{reason}"
-        hint = suggest_value(text, value, fits, share)
-    doubts.add(root, path, of, message, hint, is_bare, 0.0 if fits is None else fits.excess(value * share))
-
-
-def customary_unit(si: str) -> str:
-    """Return the unit in which people write a quantity of SI unit `si`; "" where that is the SI unit itself.
-
-    Forces, stiffnesses, dashpots and inertias are written in kN and t; masses, lengths, times and moduli have ranges
-    that tell the unit.
-    """
-    if si == "N/m2":
-        return ""
-    if si.startswith("N"):
-        return f"k{si}"
-    return si.replace("kg", "t", 1) if si.startswith("kg ") else ""
-
-
-def units_of_size(si: str) -> dict[str, float]:
-    """Return the units in which people write a quantity of SI unit `si`, with their factors to it."""
-    if si.startswith("N"):
-        return {f"{prefix}{si}": factor for prefix, factor in (("k", 1e3), ("M", 1e6), ("G", 1e9), ("", 1.0))}
-    return {customary_unit(si): 1e3, si: 1.0}
-
-
-def lacks_its_unit(text: str, quantity: Quantity) -> bool:
-    """Return whether a text is a number without the unit that it should have."""
-    return text != "" and lacks_unit(text, quantity)
-
-
-def format_value(value: float, units: Mapping[str, float]) -> str:
-    """Return a value in the unit a person would use: the largest that it is at least one of, seconds from 0.01 s on."""
-    sizes = sorted(units.items(), key=lambda unit: unit[1])
-    fitting = [unit for unit in sizes if value >= unit[1] * (0.01 if unit[0] == "s" else 1 - 1e-12)]
-    unit, factor = (fitting or sizes[:1])[-1]
-    return f"{format_rounded(value / factor)} {unit}"
-
-
-def _find_plausible_texts(text: str, value: float, fits: PlausibleRange, share: float) -> list[str]:
-    """Return the number of a text in the other units in which it would be plausible, the likeliest first."""
-    parted = _NUMBER_AND_UNIT.match(text)
-    written = parted[1] if parted else "0"
-    number = float(written)
-    return [
-        f"{written} {unit}"
-        for unit, factor in fits.units.items()
-        if number > 0 and not np.isclose(number * factor, value) and fits.holds(number * factor * share)
-    ]
-
-
-def suggest_value(text: str, value: float, fits: PlausibleRange, share: float = 1.0, si: str = "") -> str:
-    """Return the same number in another unit, else with its decimal point elsewhere, `share` of which is plausible.
-
-    si : the unit in which a number without one was read
-    """
-    meant = _find_plausible_texts(text, value, fits, share)
-    meant += [format_value(value * f, fits.units) for f in (0.1, 10.0, 0.01, 100.0) if fits.holds(value * f * share)]
-    otherwise = f"otherwise write `{text} {si}`" if si else f"otherwise leave it, {AS_MEANT}"
-    return f"did you mean {meant[0]}? {otherwise}" if meant else f"leave it if meant, {AS_MEANT}"
-
-
-def suggest_unit(
-    text: str, value: float, fits: PlausibleRange | None, share: float, si: str, multiple: str = ""
-) -> str:
-    """Return the units in which a number without one would be plausible.
-
-    fits : plausible range of value * share; None where none is known
-    multiple : what the number may be a multiple of, in place of a unit
-    """
-    if fits is None:
-        return f"write `{text} {customary_unit(si)}`, or `{text} {si}` if that is meant"
-    meant = [each for each in _find_plausible_texts(text, value, fits, share) if not each.endswith("MN/mm")]
-    number = _NUMBER_AND_UNIT.match(text)
-    if multiple and number and fits.holds(float(number[1])):
-        meant.insert(0, f"{text} x {multiple}")
-    units = " or ".join(f"`{each}`" for each in meant)
-    if units:
-        return f"write {units}, or `{text} {si}` if that is meant"
-    return f"write its unit, `{text} {si}` if that is meant"
-
-
-def find_text(root: Any, path: KeyPath) -> str:
-    """Return what the file has at a path, as text; "" where it has nothing."""
-    value = get(root, *path)
-    return "" if value is None else str(value)
-
-
-def format_rounded(value: float) -> str:
-    """Return a value to three digits, and to whole numbers from 1000 on."""
-    return f"{value:.3g}" if value < 1000 else f"{value:.0f}"
+            yield replace(worst, message=worst.message + more)

@@ -1,21 +1,21 @@
-"""Warn about plans of floors that twist that hardly any building has."""
+"""Check plans of floors that twist that hardly any building has."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
 
-from pounding_cli.errors import KeyPath
+from pounding_cli.errors import Issue, KeyPath
 from pounding_cli.model.building import Building
 from pounding_cli.model.plan import FloorPlan
 from pounding_cli.model.twist import needs_plan
 from pounding_cli.numbers import join_limited
-from pounding_cli.study.check.doubts import AS_MEANT, Doubts, format_value, units_of_size
+from pounding_cli.study.check.values import AS_MEANT, format_value, units_of_size
 from pounding_cli.study.schema.floor_plan import PlanSpec
 from pounding_cli.study.schema.links import list_links
 from pounding_cli.study.study import Study
-from pounding_cli.study.text.file import Problems, get
+from pounding_cli.study.text.file import get
 
 RATIOS_OF_TWIST = (0.7, 3.0)
 """Frequency of the twist over that along the row [-] beyond which it is warned of: frames at all edges give 1 to 1.5, a
@@ -34,19 +34,19 @@ MAX_OFFSET_ACROSS = 0.1
 it is warned of the motion along the street that is left out."""
 
 
-def warn_plan(spec: PlanSpec, building: Building, root: Any, path: KeyPath, doubts: Doubts) -> None:
-    """Note a plan that hardly any building has: eccentricity, rotary inertia, resistance to the twist."""
+def check_plan(spec: PlanSpec, building: Building, path: KeyPath) -> Iterator[Issue]:
+    """Yield a plan that hardly any building has: eccentricity, rotary inertia, resistance to the twist."""
     plan = building.plan
     assert plan is not None
-    _warn_eccentricity(spec, plan, root, path, doubts)
-    _warn_lines_across(plan, root, path, doubts)
+    yield from _check_eccentricity(spec, plan, path)
+    yield from _check_lines_across(plan, path)
     if spec.inertia is not None:
-        _warn_inertia(spec, plan, building.mass, root, path, doubts)
-    _warn_frequency_ratio(spec, building.name, plan.frequency_ratio(building.mass), root, path, doubts)
+        yield from _check_inertia(spec, plan, building.mass, path)
+    yield from _check_frequency_ratio(spec, building.name, plan.frequency_ratio(building.mass), path)
 
 
-def _warn_eccentricity(spec: PlanSpec, plan: FloorPlan, root: Any, path: KeyPath, doubts: Doubts) -> None:
-    """Note centres of stiffness that stand far from those of mass."""
+def _check_eccentricity(spec: PlanSpec, plan: FloorPlan, path: KeyPath) -> Iterator[Issue]:
+    """Yield centres of stiffness that stand far from those of mass."""
     largest = float(np.abs(plan.eccentricity).max()) / spec.width
     if largest <= MAX_ECCENTRICITY:
         return
@@ -55,11 +55,11 @@ def _warn_eccentricity(spec: PlanSpec, plan: FloorPlan, root: Any, path: KeyPath
     message = f"the centre of stiffness stands {share} from the centre of mass: "
     message += "a core at one end with frames at the other gives a third"
     hint = f"check the places and the stiffness of the lines; otherwise leave it, {AS_MEANT}"
-    doubts.add(root, key_path, key_path, message, hint, excess=largest)
+    yield Issue(key_path, message, hint, code="eccentricity", excess=largest)
 
 
-def _warn_inertia(spec: PlanSpec, plan: FloorPlan, mass: np.ndarray, root: Any, path: KeyPath, doubts: Doubts) -> None:
-    """Note a rotary inertia that no floor of this width has; mass : of the floors [kg], shape (n,)."""
+def _check_inertia(spec: PlanSpec, plan: FloorPlan, mass: np.ndarray, path: KeyPath) -> Iterator[Issue]:
+    """Yield a rotary inertia that no floor of this width has; mass : of the floors [kg], shape (n,)."""
     radius = np.sqrt(plan.inertia / mass) / spec.width
     low, high = RADII_OF_GYRATION
     wrong = np.flatnonzero((radius < low) | (radius > high))
@@ -77,26 +77,25 @@ def _warn_inertia(spec: PlanSpec, plan: FloorPlan, mass: np.ndarray, root: Any, 
     texts = " to ".join(format_value(float(each), units) for each in usual)
     hint = f"write an inertia near {texts}; otherwise leave it, {AS_MEANT}"
     excess = abs(float(np.log10(radius[storey])))
-    doubts.add(root, key_path, (*path, "inertia"), message, hint, excess=excess)
+    yield Issue(key_path, message, hint, code="rotary-inertia", of=(*path, "inertia"), excess=excess)
 
 
-def _warn_frequency_ratio(spec: PlanSpec, name: str, ratio: float, root: Any, path: KeyPath, doubts: Doubts) -> None:
-    """Note a twist that is much slower or faster than the motion along the row; name : of the building."""
+def _check_frequency_ratio(spec: PlanSpec, name: str, ratio: float, path: KeyPath) -> Iterator[Issue]:
+    """Yield a twist that is much slower or faster than the motion along the row; name : of the building."""
     low, high = RATIOS_OF_TWIST
     if low <= ratio <= high:
         return
     keys = ("frequency_ratio", "torsional_stiffness", "lines")
     key = next(each for each in keys if each in spec.model_fields_set)
-    key_path: KeyPath = (*path, key)
     message = f"{name} turns {ratio:.3g} times as fast as it moves along the row, each by itself: "
     message += "frames at the edges give 1 to 1.5, a core in the middle 0.7, walls at all edges 2"
     hint = "check the places of lines, the torsional stiffness and the inertia; "
     hint += f"otherwise leave it, {AS_MEANT}"
-    doubts.add(root, key_path, key_path, message, hint, excess=abs(float(np.log10(ratio))))
+    yield Issue((*path, key), message, hint, code="twist-frequency", excess=abs(float(np.log10(ratio))))
 
 
-def _warn_lines_across(plan: FloorPlan, root: Any, path: KeyPath, doubts: Doubts) -> None:
-    """Note lines across the row that move floors along the street when these twist, which is left out."""
+def _check_lines_across(plan: FloorPlan, path: KeyPath) -> Iterator[Issue]:
+    """Yield lines across the row that move floors along the street when these twist, which is left out."""
     if not plan.lines_across:
         return
     places = np.array([line.arm for line in plan.lines_across])
@@ -105,7 +104,8 @@ def _warn_lines_across(plan: FloorPlan, root: Any, path: KeyPath, doubts: Doubts
     farthest = float(np.abs(places).max())
     if farthest == 0.0:
         message = "all lines across the row stand at the centre of mass, where they resist no twist"
-        doubts.add(root, key_path, key_path, message, f"let `x` be where they stand; otherwise leave it, {AS_MEANT}")
+        hint = f"let `x` be where they stand; otherwise leave it, {AS_MEANT}"
+        yield Issue(key_path, message, hint, code="across")
         return
     offset = float(np.abs(places @ stiffness / stiffness.sum(axis=0)).max())
     if offset > MAX_OFFSET_ACROSS * farthest:
@@ -114,11 +114,11 @@ def _warn_lines_across(plan: FloorPlan, root: Any, path: KeyPath, doubts: Doubts
         )
         message += "also move along the street, which is left out"
         hint = f"write all frames and walls across the row, on both sides; otherwise leave it, {AS_MEANT}"
-        doubts.add(root, key_path, key_path, message, hint, excess=offset / farthest)
+        yield Issue(key_path, message, hint, code="across", excess=offset / farthest)
 
 
-def warn_missing_accidental(study: Study, notes: Problems) -> None:
-    """Note that codes, with whose displacements `gap:` compares, ask for an accidental eccentricity."""
+def check_accidental(study: Study) -> Iterator[Issue]:
+    """Yield that codes, with whose displacements `gap:` compares, ask for an accidental eccentricity."""
     if study.tree.get("gap") is None:
         return
     names = []
@@ -133,7 +133,7 @@ def warn_missing_accidental(study: Study, notes: Problems) -> None:
         hint = "they count the twist under forces through the centres of mass; "
         hint += "codes move these by 5 % of the width to either side: "
         hint += "write `accidental: +-5 %` in the plan"
-        notes.add_at(study.tree, ("gap",), message, hint, key=True)
+        yield Issue(("gap",), message, hint, at_key=True, code="accidental")
 
 
 def _has_accidental(study: Study, name: str) -> bool:
@@ -142,8 +142,8 @@ def _has_accidental(study: Study, name: str) -> bool:
     return any(spec.plan is not None and spec.plan.accidental for spec in specs)
 
 
-def warn_shift_without_effect(study: Study, notes: Problems) -> None:
-    """Note that the place of a plan along the street does nothing where no neighbour and no link has one."""
+def check_shift(study: Study) -> Iterator[Issue]:
+    """Yield that the place of a plan along the street does nothing where no neighbour and no link has one."""
     with_plans = [
         name
         for name in study.spec.group
@@ -163,4 +163,4 @@ def warn_shift_without_effect(study: Study, notes: Problems) -> None:
         message = f"`shift` of {name} has no effect: no other building has a plan, so each is as wide as {name}, "
         message += "and no link names its places"
         hint = f"give the neighbours of {name} a `plan:`, or the links their `places:`; otherwise leave it, {AS_MEANT}"
-        notes.add_at(study.tree, paths[0], message, hint)
+        yield Issue(paths[0], message, hint, code="shift")

@@ -11,7 +11,7 @@ from pounding_cli.laws.law import in_series
 from pounding_cli.laws.pounding import restitution_from_damping
 from pounding_cli.model.links import BASE, Link
 from pounding_cli.numbers import Unit, join_limited
-from pounding_cli.study.check.doubts import format_value, units_of_size
+from pounding_cli.study.check.values import format_value, units_of_size
 from pounding_cli.study.construct.group import Group
 from pounding_cli.study.construct.link_places import LinkEnds, Meeting
 from pounding_cli.study.schema.street_places import find_shared_edge

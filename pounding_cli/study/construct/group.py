@@ -155,9 +155,8 @@ def _find_wall_issues(group: Group, place: int, wall: Wall) -> list[Issue]:
     return [Issue(("group", place), message, hint)]
 
 
-def find_ignored_blows(group: Group) -> list[Issue]:
-    """Return a warning for every pair of neighbours whose slabs strike columns of which nothing is known."""
-    issues = []
+def find_ignored_blows(group: Group) -> Iterator[Issue]:
+    """Yield every pair of neighbours whose slabs strike columns of which nothing is known."""
     for place, pair in enumerate(pairwise(group.buildings)):
         floors, strikes = find_meetings(*pair)
         unknown = [strike for strike in strikes if pair[strike.side].columns is None]
@@ -168,8 +167,7 @@ def find_ignored_blows(group: Group) -> list[Issue]:
             message = f"{pair[0].name} and {pair[1].name} {where}: blows on columns are left out of {slabs}"
             hint = f"give both the same `height:`, a `slab:` thick enough to meet, {COLUMNS_HINT} in {struck}"
             hint += "; `columns: none` where walls stand there"
-            issues.append(Issue(("group", place + 1), message, hint))
-    return issues
+            yield Issue(("group", place + 1), message, hint, code="blows")
 
 
 def format_meetings(group: Sequence[Building]) -> list[str]:

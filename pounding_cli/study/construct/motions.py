@@ -280,7 +280,7 @@ class _Sources:
         written = record.file if isinstance(record, RecordFileSpec) else str(record)
         for merged in _merge_refusals(refusals, written):
             issues.add_written(to_issues(merged, (*path, "file")))
-        self.doubts += [Issue(path, message, hint) for message, hint in _iter_doubts(vertical, readings)]
+        self.doubts += [replace(issue, path=path) for issue in _iter_doubts(vertical, readings)]
 
     def has_table1(self, name: str) -> bool:
         """Return whether Table 1 has duration and scale of a motion; a file of that name is not the motion of it."""
@@ -341,10 +341,11 @@ class _Scaler:
         if short:
             message = f"shorter than the {duration:g} s asked for: {join_limited(short)}"
             hint = "the whole length is used; `tail:` adds free vibration"
-            doubts.append(Issue(("records", "duration"), message, hint))
+            doubts.append(Issue(("records", "duration"), message, hint, code="duration"))
         if begun:
             message = f"the first {duration:g} s have less than half of the Arias intensity of: {join_limited(begun)}"
-            doubts.append(Issue(("records", "duration"), message, "write `duration: whole` to use all of it"))
+            hint = "write `duration: whole` to use all of it"
+            doubts.append(Issue(("records", "duration"), message, hint, code="duration"))
         doubts.extend(self._iter_scale_doubts())
         target = self._find_target(cut) if isinstance(self.spec.scale, SpectrumSpec) else None
         factors = self._find_factors(cut, target)
@@ -360,7 +361,7 @@ class _Scaler:
             if any(abs(scale / each - 1) < 0.003 for each in (factor, 1 / factor)):
                 message = f"the factor {scale:g} on motions from files is {words}: a unit in disguise"
                 hint = "write the unit of the file, `unit:` beside `file:`, and leave the factor out"
-                yield Issue(("records", "scale"), message, hint)
+                yield Issue(("records", "scale"), message, hint, code="factor")
                 return
 
     def _build_use(self, name: str, cut: Motion, factor: float) -> MotionUse:
@@ -448,17 +449,16 @@ class _Scaler:
         }
 
 
-def _iter_doubts(vertical: Sequence[str], readings: Sequence[records.Reading]) -> Iterator[tuple[str, str]]:
-    """Yield message and hint of what is doubtful about files.
-
-    These are names of vertical components, and what the reader of files warns of (`records.checks`).
-    """
+def _iter_doubts(vertical: Sequence[str], readings: Sequence[records.Reading]) -> Iterator[Issue]:
+    """Yield what is doubtful about files: names of vertical components, and what the reader of files warns of
+    (`records.checks`)."""
     if vertical:
+        message = f"named like vertical components, will shake the buildings sideways: {join_limited(vertical)}"
         hint = "name the horizontal ones, e.g. `{file: motions/*.NS}`"
-        yield f"named like vertical components, will shake the buildings sideways: {join_limited(vertical)}", hint
+        yield Issue((), message, hint, code="vertical")
     doubts: dict[Issue, list[str]] = {}
     for each in readings:
         for doubt in each.doubts:
             doubts.setdefault(doubt, []).append(each.motion.name)
     for doubt, names in doubts.items():
-        yield f"{join_limited(names)}: {doubt.message}", doubt.hint
+        yield replace(doubt, message=f"{join_limited(names)}: {doubt.message}")

@@ -445,6 +445,24 @@ def _syntax(file: str, error: yaml.MarkedYAMLError, text: str) -> Issue:
     return Issue((), f"this is not YAML: {message}", hint, file=file, line=line, column=column)
 
 
+def place_issue(tree: Any, file: str, issue: Issue) -> Issue:
+    """Return an issue at the line and column that a file has it at; one of another file stands where it does."""
+    if issue.is_placed:
+        return issue
+    line, column = locate(tree, issue.path, issue.at_key)
+    return _put_at(issue, (line, column + issue.offset), file)
+
+
+def _put_at(issue: Issue, mark: Mark, file: str) -> Issue:
+    """Return an issue at a line and column of a file, or at a key of Python data."""
+    line, column = mark
+    message = issue.message
+    if isinstance(line, str):  # which names the key that the message begins with
+        message = message.removeprefix(f"{line.split('.')[-1]}: ")
+        return Issue((), message, issue.hint, file=line, code=issue.code)
+    return Issue((), message, issue.hint, file=file, line=line, column=column, code=issue.code)
+
+
 class Problems:
     """Collects problems of one file; two at one place with one message count once."""
 
@@ -454,12 +472,7 @@ class Problems:
 
     def add(self, mark: Mark, message: str, hint: str = "") -> None:
         """Note a problem at a line and column, or at a key of Python data."""
-        line, column = mark
-        if isinstance(line, str):  # which names the key that the message begins with
-            message = message.removeprefix(f"{line.split('.')[-1]}: ")
-            self.found[Issue((), message, hint, file=line)] = None
-        else:
-            self.found[Issue((), message, hint, file=self.file, line=line, column=column)] = None
+        self.extend([_put_at(Issue((), message, hint), mark, self.file)])
 
     def add_at(self, root: Any, path: KeyPath, message: str, hint: str = "", key: bool = False) -> None:
         """Note a problem with the value (or the key) at `path`."""
@@ -470,12 +483,8 @@ class Problems:
         self.found |= dict.fromkeys(problems)
 
     def add_issue(self, tree: Any, issue: Issue) -> None:
-        """Note an issue at the line and column that the file has it at; one of another file stands where it does."""
-        if issue.is_placed:
-            self.extend([issue])
-            return
-        line, column = locate(tree, issue.path, issue.at_key)
-        self.add((line, column + issue.offset), issue.message, issue.hint)
+        """Note an issue at the line and column that the file has it at."""
+        self.extend([place_issue(tree, self.file, issue)])
 
     def check(self) -> None:
         """Raise `InputError` with everything noted, in the file's order, if anything was."""
