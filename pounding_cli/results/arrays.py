@@ -135,6 +135,11 @@ class ResultArrays:
         """Return the same arrays with further attributes."""
         return ResultArrays(self.data, self.coordinates, {**self.attrs, **attrs})
 
+    def with_text(self, name: str, text: str, about: str) -> ResultArrays:
+        """Return the same arrays with a text beside them; about : what it is."""
+        array = Array((), np.array(text, object), {"long_name": about})
+        return ResultArrays({**self.data, name: array}, self.coordinates, self.attrs)
+
     def to_dataset(self) -> xr.Dataset:
         """Return an xarray.Dataset that shares the arrays; large ones of a file are read when they are asked for."""
         import xarray as xr  # here: few commands need it

@@ -20,9 +20,9 @@ from pounding_cli.questions.gap.tables import (
     LOW_END,
     MOTION_RULES,
 )
+from pounding_cli.questions.gap.written_gaps import read_written_gaps
 from pounding_cli.report.evidence import Evidence, find_nominal
 from pounding_cli.solver.response import DONE
-from pounding_cli.study.text.file import parse
 from pounding_cli.tables import Row
 
 if TYPE_CHECKING:
@@ -149,10 +149,12 @@ class GapEvidence:
         cases = self.select_pair(self.cases, pair)
         cases = cases[cases["rule"] == EXACT]
         numbers = cases.groupby(["case", "analysis"], sort=False).cumcount()
+        written = read_written_gaps(self.results)
+        number = 1 + list(pairwise(self.results.names("building"))).index(pair)
         entries = []
         for (case, _), rows in cases.groupby([cases["case"], numbers], sort=False):
             needs = {}
-            is_uniform = len(list_written_gaps(self.results, str(case), pair)) <= 1
+            gaps = {each.gap for each in written.get(str(case), ()) if each.pair in (None, number)}
             for judged in rows.to_dict("records"):
                 of_analysis = exact[exact["analysis"] == judged["analysis"]]
                 keys = [key for key in PLACE_KEYS if key in of_analysis]
@@ -161,7 +163,7 @@ class GapEvidence:
                 needs[judged["analysis"]] = self._build_need(
                     of_analysis, row, judged["required"], judged["gap"], judged["enough"]
                 )
-            entries.append(CaseEntry(str(case), needs, is_uniform))
+            entries.append(CaseEntry(str(case), needs, len(gaps) <= 1))
         return entries
 
     def find_worth(self, pair: tuple[str, str], rule: str) -> dict[str, Row]:
@@ -177,32 +179,6 @@ class GapEvidence:
         codes = rows[~rows["rule"].isin(MOTION_RULES) & rows["mean"].notna()]
         for rule, of_rule in codes.groupby("rule", sort=False):
             yield str(rule), float(of_rule["mean"].max())
-
-
-def list_written_gaps(results: ResultTables, case: str, pair: tuple[str, str] | None = None) -> list[str]:
-    """Return the different gaps that the study writes for the links of a case, between two neighbours or all."""
-    written = parse(results.study_text, str(results.path)).get("cases", {}).get(case)
-    if not isinstance(written, Mapping):
-        return []
-    links = written.get("links")
-    if not isinstance(links, list):
-        links = [{}]
-    of_case = written.get("gap", "")
-    pairs = list(pairwise(results.names("building")))
-    number = None if pair is None else 1 + pairs.index(pair)
-    gaps = [
-        str(link.get("gap", of_case)) if isinstance(link, Mapping) else str(of_case)
-        for link in links
-        if _is_between(link, number)
-    ]
-    return [gap for gap in dict.fromkeys(gaps) if gap]
-
-
-def _is_between(link: Any, number: int | None) -> bool:
-    """Return whether a written link stands between the neighbours of a number from 1, or of any."""
-    if not isinstance(link, Mapping):
-        return bool(link != "none")
-    return link.get("link") != "none" and (number is None or str(link.get("pair", number)) == str(number))
 
 
 def select_failed(scene: pd.DataFrame) -> pd.DataFrame:

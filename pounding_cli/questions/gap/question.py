@@ -19,6 +19,7 @@ from pounding_cli.questions.gap.separations import build_distances, build_separa
 from pounding_cli.questions.gap.spec import GapSpec
 from pounding_cli.questions.gap.statistics import build_statistics_table
 from pounding_cli.questions.gap.tables import GAP_TABLE, LINE_TABLE
+from pounding_cli.questions.gap.written_gaps import add_written_gaps
 from pounding_cli.questions.neighbours import build_neighbour_axis
 from pounding_cli.questions.question import Answer, StudyQuestion
 from pounding_cli.study import Plan, Study, make_plan
@@ -152,7 +153,7 @@ class Gap(StudyQuestion):
             tables.append(build_rate_table(plan, basis, self.spec.rate))
         if self.neighbours is not None:
             tables = [drop_axis(table, self.neighbours.names) for table in tables]
-        return Answer(plan, arrays, [*tables, *of_neighbours])
+        return Answer(plan, add_written_gaps(arrays, self.study), [*tables, *of_neighbours])
 
     def _build_rate_basis(self, separations: pd.DataFrame) -> RateBasis | None:
         """Return what annual rates of contact follow from; None without a hazard curve."""

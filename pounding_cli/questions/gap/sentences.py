@@ -12,14 +12,13 @@ from pounding_cli.questions.gap.evidence import (
     GapEvidence,
     Need,
     describe_facing_place,
-    list_written_gaps,
     select_exact,
     select_widest,
 )
 from pounding_cli.questions.gap.neighbour_words import describe_neighbour_spread, describe_neighbours
 from pounding_cli.questions.gap.tables import CASES_TABLE, EXACT, GAP_TABLE, NO, RATE_TABLE, UNKNOWN, YES
+from pounding_cli.questions.gap.written_gaps import read_written_gaps
 from pounding_cli.questions.hazard import YEARS
-from pounding_cli.study.text.file import parse
 from pounding_cli.tables import Column, Row
 
 if TYPE_CHECKING:
@@ -77,8 +76,7 @@ def _describe_failure(results: ResultTables) -> str:
 
 def _compares_cases(results: ResultTables) -> bool:
     """Return whether the study has a case with a gap."""
-    written = parse(results.study_text, str(results.path)).get("cases") or {}
-    return any(list_written_gaps(results, case) for case in written)
+    return any(read_written_gaps(results).values())
 
 
 def _describe_failed_analysis(evidence: GapEvidence, analysis: str) -> str:

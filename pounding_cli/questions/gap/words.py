@@ -36,10 +36,11 @@ from pounding_cli.questions.gap.tables import (
     LOW_END,
     RATE_TABLE,
 )
+from pounding_cli.questions.gap.written_gaps import read_written_gaps
 from pounding_cli.records.code_spectra import NTC2018
 from pounding_cli.solver.response import COLLAPSED
-from pounding_cli.study.text.file import parse
 from pounding_cli.tables import Column, Row, Table
+from pounding_cli.texts import escape_controls
 
 if TYPE_CHECKING:
     from pounding_cli.results.results import ResultTables
@@ -357,9 +358,8 @@ def _describe_error(exact: pd.DataFrame, column: Column) -> str:
 
 def _list_cases_left_out(results: ResultTables, cases: pd.DataFrame) -> list[str]:
     """Return the cases of the study whose gaps are not compared."""
-    written = parse(results.study_text, str(results.path)).get("cases") or ()
     compared = set(cases["case"])
-    return [case for case in written if case not in compared]
+    return [escape_controls(case) for case in read_written_gaps(results) if case not in compared]
 
 
 # References
