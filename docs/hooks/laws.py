@@ -22,7 +22,7 @@ from pounding_cli.laws.storey import StoreyLaw
 from pounding_cli.report.references import REFERENCES
 from pounding_cli.report.style import RC
 from pounding_cli.study.schema.building import BuildingSpec
-from pounding_cli.study.schema.links import link_keys, link_models, needs_key, own_parameters
+from pounding_cli.study.schema.links import key_parameters, link_keys, link_models, needs_key
 from pounding_cli.study.schema.lookup import fields_of
 
 
@@ -81,7 +81,7 @@ def said(law: type) -> str:
 def link_page(law: type[LinkLaw]) -> str:
     """A law of a link."""
     fields = fields_of(link_models()[law.name])
-    own = own_parameters(law)
+    own = key_parameters(law)
     rows = []
     for name, (hint, given) in fields.items():
         if name in link_keys(law):
@@ -102,7 +102,7 @@ def storey_page(law: type[StoreyLaw]) -> str:
     """A law of a storey."""
     fields = fields_of(BuildingSpec)
     rows = [row("hardening", *fields["hardening"])]
-    for name, declared in own_parameters(law).items():
+    for name, declared in key_parameters(law).items():
         default = law.parameters()[name].default
         given = Field(
             ... if default is MISSING else None if default == inf else default, description=declared.description

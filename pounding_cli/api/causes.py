@@ -2,6 +2,10 @@
 
 A time history is new because of a key if it is another one with the key as it was before. Every changed key is changed
 back by itself, and the digests of the plan that follows are compared with those in the cache.
+
+A list of the changed keys would say as much where one key is changed. With several it leaves open which one to take
+back: of `configs/fig6.yaml` with four keys changed, 72 of 80 time histories are new, but `records.duration` has a part
+in 16 of them and `cases.gap.gap` in 10. The answer takes 0.02 s for one key and 0.07 s for four.
 """
 
 from __future__ import annotations

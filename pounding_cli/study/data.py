@@ -15,11 +15,17 @@ from pounding_cli.errors import InputError, Issue
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.study.construct.buildings import build_building
-from pounding_cli.study.construct.complete_links import check_links, complete_links
+from pounding_cli.study.construct.complete_links import (
+    build_laws,
+    check_links,
+    complete_links,
+    evaluate_multiples,
+    list_multiples,
+)
 from pounding_cli.study.construct.group import Group, check_meetings, unique_names
-from pounding_cli.study.construct.link_names import Names, check_case_names, check_impact_names
+from pounding_cli.study.construct.link_names import Names, check_impact_names, check_link_names
 from pounding_cli.study.construct.link_places import find_floors, find_linked_pairs
-from pounding_cli.study.construct.links import build_laws, build_links, evaluate_multiples, list_multiples
+from pounding_cli.study.construct.links import build_links
 from pounding_cli.study.construct.written import read_spec
 from pounding_cli.study.load import build_study
 from pounding_cli.study.schema.quantity import Quantity
@@ -120,8 +126,10 @@ def links_between(
     with _placed_in(tree):
         group = Group(tuple(buildings), types)
         names = Names((), tuple(types), len(buildings) - 1)
-        element = check_impact_names(read_spec(tree, ("impact",)), names)
-        spec = check_case_names(name, read_spec(tree, ("cases", name)), names)
+        element = read_spec(tree, ("impact",))
+        check_impact_names(tree, names)
+        spec = read_spec(tree, ("cases", name))
+        check_link_names(tree, name, names)
         links = check_links(name, spec, complete_links(name, spec, element), names)
         stiffnesses = evaluate_multiples(list_multiples(links, element), group)
         check_meetings(group, find_linked_pairs(name, spec, names.pairs))

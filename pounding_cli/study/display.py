@@ -12,7 +12,7 @@ from pounding_cli.numbers import Unit
 from pounding_cli.study.construct.buildings import build_building, find_code_displacements, find_separation
 from pounding_cli.study.construct.complete_links import complete_links, find_losses
 from pounding_cli.study.construct.group import unique_names
-from pounding_cli.study.schema.links import LOSSES, link_keys, needs_key, own_parameters
+from pounding_cli.study.schema.links import LOSSES, key_parameters, link_keys, needs_key
 from pounding_cli.study.schema.quantity import MeasuredValue, Quantity, StoreyMultiple, written_unit
 from pounding_cli.study.schema.study import StudySpec
 from pounding_cli.study.text.file import get
@@ -125,7 +125,7 @@ def _describe_links(case: Any, name: str, impact: Any) -> list[dict[str, Any]]:
 def _list_defaults(law: Any) -> dict[str, Any]:
     """Return the keys of a law with their defaults; None for those without one."""
     defaults: dict[str, Any] = dict.fromkeys(sorted(link_keys(law)))
-    for key in own_parameters(law):
+    for key in key_parameters(law):
         if not needs_key(law, key):
             default = law.parameters()[key].default
             defaults[key] = str(default) if isinstance(default, str) else default

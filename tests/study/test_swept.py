@@ -152,30 +152,33 @@ def test_a_swept_key_below_a_swept_value_without_keys_is_refused(values):
     assert all("the sweep varies 'records.scale.pga', but 'records.scale' is" in message for message in said)
 
 
-def test_sound_links_of_a_faulty_case_are_looked_at_too():
+def test_names_in_a_faulty_case_are_looked_at_too():
     said = refusals("""
-    cases: {a: {gap: 5 cm, hertz_stiffness: 5e9 N/m^1.5, links: [
-      {link: infill, gapp: 1 cm}, viscous, {link: foam, floors: [1]}]}}
+    cases: {a: {gap: 5 cm, links: [
+      {link: infill, gapp: 1 cm}, {link: foam, floors: [1]},
+      {link: pounding, stiffness: 5 x mean storey of stif, pair: 2}]}}
     """)
-    assert said == [
+    assert set(said) == {
         "unknown key 'gapp'",
-        "'force_at_1_m_s' is missing",
-        "'exponent' is missing",
         "'foam' is not known",
-    ]
-    said = refusals("cases: {a: {gap: 5 cm, tension_cut: true, links: [{link: connector, gapp: 1 cm}]}}")
-    assert set(said) == {
-        "unknown key 'gapp'",
-        "'tension_cut' beside `links:` does not apply to them, or does not say which it is of",
+        "no building 'stif' is defined",
+        "2, but the group has 1 pair of neighbours",
     }
 
 
-def test_links_beside_a_link_of_the_case_itself_are_looked_at_too():
-    said = refusals("cases: {a: {gap: 5 cm, link: pounding, links: [{link: maxwell}]}}")
+def test_names_under_a_faulty_impact_are_looked_at_too():
+    said = refusals("impact: {law: foam, stiffness: 5 x mean storey of stif, restitution: 2}")
     assert set(said) == {
-        "'link' beside `links:` does not apply to them, or does not say which it is of",
-        "'damping_coefficient' is missing",
+        "'foam' is not a law of contact",
+        "no building 'stif' is defined",
+        "the coefficient of restitution is 2; it must be above 0 and at most 1",
     }
+
+
+def test_a_misspelled_key_is_one_problem():
+    """Fails if the key that it stands for is told to be missing besides."""
+    (said,) = refusals("cases: {a: {link: hertz, gap: 5 cm, hertz_stifness: 5e9 N/m^1.5}}")
+    assert said == "unknown key 'hertz_stifness'"
 
 
 def test_a_word_of_another_law_under_impact_is_refused_in_words():

@@ -16,7 +16,7 @@ from pounding_cli.model.stiffness import frequencies, rayleigh_factors, stiffnes
 from pounding_cli.model.wall import UNLIMITED_HEIGHT, Wall
 from pounding_cli.study.construct.floor_plans import build_plan, sum_stiffness, sum_yield_shear
 from pounding_cli.study.schema.building import BaseShearSpec, BuildingSpec, StiffnessAtSpec
-from pounding_cli.study.schema.links import own_parameters
+from pounding_cli.study.schema.links import key_parameters
 from pounding_cli.study.text.issues import IssuesFound
 
 
@@ -52,7 +52,7 @@ def _build_frame(name: str, spec: Any) -> Building:
     yield_shear = _find_yield_shear(spec, mass, height, period)
     plan = None if spec.plan is None else build_plan(spec.plan, mass, stiffness, yield_shear)
     law = storey_laws()[spec.storey_law]
-    parameters = {key: getattr(spec, key) for key in own_parameters(law)}
+    parameters = {key: getattr(spec, key) for key in key_parameters(law)}
     return Building(
         name,
         mass,

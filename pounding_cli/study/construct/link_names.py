@@ -1,4 +1,7 @@
-"""Names of laws and buildings that a case and `impact` may use."""
+"""The names that links and `impact` use: laws, buildings, pairs of neighbours.
+
+They are read from the file itself, so that a name which the study lacks is told of a faulty case too.
+"""
 
 from __future__ import annotations
 
@@ -6,13 +9,15 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from pydantic_core import PydanticCustomError
+
 from pounding_cli.errors import Issue, KeyPath
 from pounding_cli.laws import contact_laws, link_laws
 from pounding_cli.numbers import pluralize
 from pounding_cli.study.construct.own_laws import OwnLaw
-from pounding_cli.study.schema.links import NO_LINK, list_links
-from pounding_cli.study.schema.quantity import StoreyMultiple
-from pounding_cli.study.text.file import nearest
+from pounding_cli.study.schema.links import MAX_PAIR, NO_LINK
+from pounding_cli.study.schema.quantity import LINK_STIFFNESS, StoreyMultiple
+from pounding_cli.study.text.file import Items, Map, get, nearest
 from pounding_cli.study.text.issues import IssuesFound
 
 
@@ -25,8 +30,16 @@ class Names:
     pairs: int
 
 
+def find_names(tree: Map, specs: Mapping[KeyPath, Any]) -> Names:
+    """Return the names of laws and buildings of a study, whether or not these are sound."""
+    sections = (tree.get("laws"), tree.get("buildings"))
+    laws, buildings = (tuple(section) if isinstance(section, Map) else () for section in sections)
+    group = specs.get(("group",))
+    return Names(laws, buildings, 0 if group is None else len(group) - 1)
+
+
 @dataclass(frozen=True)
-class NamedInLink:
+class _NamedInLink:
     """The names in a link: its law, the number of a pair (0 for every pair), and its stiffness.
 
     None stands for what is unknown.
@@ -38,46 +51,82 @@ class NamedInLink:
     stiffness: Any
 
 
-def check_case_names(name: str, case: Any, names: Names) -> Any:
-    """Return a case unchanged.
+def _list_named(tree: Map, path: KeyPath) -> tuple[_NamedInLink, ...]:
+    """Return what the links of a case name, as the file has them."""
+    case = get(tree, *path)
+    entries = case.get("links") if isinstance(case, Map) else None
+    if isinstance(entries, Items):
+        return tuple(_read_named(entry, (*path, "links", number)) for number, entry in enumerate(entries))
+    return (_read_named(case if isinstance(case, Map) else None, path),)
+
+
+def _read_named(link: Any, path: KeyPath) -> _NamedInLink:
+    """Return what a link names; a word stands for the law of a link without further keys."""
+    written = link if isinstance(link, Map) else {"link": link}
+    law = written.get("link")
+    pair = written.get("pair")
+    is_law = isinstance(law, str | int | float) and not isinstance(law, bool)
+    if not isinstance(pair, int) or isinstance(pair, bool) or pair > MAX_PAIR:
+        pair = 0
+    return _NamedInLink(path, str(law) if is_law else None, pair, _read_stiffness(written.get("stiffness")))
+
+
+def _read_stiffness(value: Any) -> Any:
+    """Return a stiffness as the file has it; None where it cannot be read, which is told elsewhere."""
+    try:
+        return LINK_STIFFNESS.read(value)
+    except PydanticCustomError:
+        return None
+
+
+def check_link_names(tree: Map, case: str, names: Names) -> bool:
+    """Return True.
 
     Raises
     ------
-    IssuesFound : one of its links is of a law, a pair or a building that the study does not have
+    IssuesFound : a link of the case is of a law, a pair or a building that the study does not have
     """
     issues: list[Issue] = []
-    for link, path in list_links(name, case):
-        named = NamedInLink(path, link.link, link.pair or 0, getattr(link, "stiffness", None))
-        issues += find_link_name_issues(named, names)
+    laws = (*link_laws(), *names.laws, NO_LINK)
+    for link in _list_named(tree, ("cases", case)):
+        if link.law is not None and link.law not in laws:
+            message = f"link: '{link.law[:60]}' is not known"
+            hint = f"{nearest(link.law, laws)}; a law of your own stands under `laws`"
+            issues.append(Issue((*link.path, "link"), message, hint))
+        if 0 < names.pairs < link.pair:
+            message = f"pair: {link.pair}, but the group has {pluralize(names.pairs, 'pair')} of neighbours"
+            hint = f"write a number from 1 to {names.pairs}, or leave it out"
+            issues.append(Issue((*link.path, "pair"), message, hint))
+        issues += _find_unknown_building(link.stiffness, (*link.path, "stiffness"), names)
     if issues:
         raise IssuesFound(issues)
-    return case
+    return True
 
 
-def find_link_name_issues(link: NamedInLink, names: Names) -> list[Issue]:
-    """Return an issue for every law, pair and building that a link names and the study does not have."""
-    issues: list[Issue] = []
-    if link.law is not None and link.law not in (*link_laws(), *names.laws, NO_LINK):
-        issues.append(Issue((*link.path, "link"), *refuse_law(link.law, names.laws)))
-    if 0 < names.pairs < link.pair:
-        issues.append(Issue((*link.path, "pair"), *refuse_pair(link.pair, names.pairs)))
-    return issues + _find_unknown_building(link.stiffness, (*link.path, "stiffness"), names)
-
-
-def check_impact_names(impact: Any, names: Names) -> Any:
-    """Return the impact element unchanged.  Raises IssuesFound: it names a law or building that the study lacks."""
-    issues = find_impact_name_issues(impact.law, impact.stiffness, names)
-    if issues:
-        raise IssuesFound(issues)
-    return impact
-
-
-def find_impact_name_issues(law: str | None, stiffness: Any, names: Names) -> list[Issue]:
-    """Return an issue for every law and building that the impact element names and the study does not have."""
+def check_impact_names(tree: Map, names: Names) -> bool:
+    """Return True.  Raises IssuesFound: the impact element names a law or building that the study lacks."""
+    law = get(tree, "impact", "law")
+    stiffness = _read_stiffness(get(tree, "impact", "stiffness"))
     issues = _find_unknown_building(stiffness, ("impact", "stiffness"), names)
-    if law is not None and law not in (*contact_laws(), *names.laws):
-        issues.append(Issue(("impact", "law"), *refuse_contact(law, names.laws)))
-    return issues
+    if isinstance(law, str) and law.strip() not in (*contact_laws(), *names.laws):
+        issues.append(_refuse_contact(law.strip(), names.laws))
+    if issues:
+        raise IssuesFound(issues)
+    return True
+
+
+def check_contact_law(impact: Any, laws: Mapping[str, OwnLaw]) -> Any:
+    """Return the impact element unchanged.  Raises IssuesFound: it names a law of the study that is none of contact."""
+    contact = [name for name, law in laws.items() if law.is_contact]
+    if impact.law in (*contact_laws(), *contact):
+        return impact
+    raise IssuesFound([_refuse_contact(impact.law, contact)])
+
+
+def _refuse_contact(word: str, laws: Iterable[str]) -> Issue:
+    """Return what is wrong with a law of contact that nobody knows; laws : those of the study."""
+    message = f"'{word[:60]}' is not a law of contact"
+    return Issue(("impact", "law"), message, f"write {', '.join((*contact_laws(), *laws))}")
 
 
 def _find_unknown_building(stiffness: Any, path: KeyPath, names: Names) -> list[Issue]:
@@ -86,28 +135,3 @@ def _find_unknown_building(stiffness: Any, path: KeyPath, names: Names) -> list[
         return []
     building = str(stiffness.building)
     return [Issue(path, f"no building '{building}' is defined", nearest(building, names.buildings))]
-
-
-def check_contact_law(impact: Any, laws: Mapping[str, OwnLaw]) -> Any:
-    """Return the impact element unchanged.  Raises IssuesFound: it names a law of the study that is none of contact."""
-    contact = [name for name, law in laws.items() if law.is_contact]
-    if impact.law in (*contact_laws(), *contact):
-        return impact
-    raise IssuesFound([Issue(("impact", "law"), *refuse_contact(impact.law, contact))])
-
-
-def refuse_law(word: str, laws: Iterable[str]) -> tuple[str, str]:
-    """Return what is wrong with a link whose law nobody knows, and what to write; laws : those of the study."""
-    known = (*link_laws(), *laws, NO_LINK)
-    return f"link: '{word[:60]}' is not known", f"{nearest(word, known)}; a law of your own stands under `laws`"
-
-
-def refuse_contact(word: str, laws: Iterable[str]) -> tuple[str, str]:
-    """Return what is wrong with a law of contact that nobody knows, and what to write; laws : those of the study."""
-    return f"'{word[:60]}' is not a law of contact", f"write {', '.join((*contact_laws(), *laws))}"
-
-
-def refuse_pair(pair: int, pairs: int) -> tuple[str, str]:
-    """Return what is wrong with the number of a pair of neighbours that a group lacks, and what to write."""
-    message = f"pair: {pair}, but the group has {pluralize(pairs, 'pair')} of neighbours"
-    return message, f"write a number from 1 to {pairs}, or leave it out"

@@ -1,114 +1,17 @@
-"""Build the laws and the links of a case."""
+"""Put the laws of the links of a case (`complete_links.py`) at the floors where these stand (`link_places.py`)."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 from pounding_cli.errors import Issue, KeyPath
 from pounding_cli.laws.law import LinkLaw
-from pounding_cli.laws.pounding import DashpotLaw
 from pounding_cli.model.links import Link
-from pounding_cli.study.construct.complete_links import CompleteLink, find_losses
-from pounding_cli.study.construct.group import Group
+from pounding_cli.study.construct.complete_links import CompleteLink
 from pounding_cli.study.construct.link_places import Floors, LinkEnds, Meeting
-from pounding_cli.study.construct.own_laws import OwnLaw
-from pounding_cli.study.schema.links import NO_LINK, to_enum
-from pounding_cli.study.schema.quantity import LINK_STIFFNESS, StoreyMultiple
 from pounding_cli.study.schema.street_places import WHOLE_AT_CENTRES, find_link_arms
-from pounding_cli.study.text.issues import Issues, IssuesFound
-
-# Laws
-
-
-def list_multiples(links: Sequence[CompleteLink], impact: Any) -> tuple[StoreyMultiple, ...]:
-    """Return the stiffnesses of links that are multiples of a storey's, each once."""
-    multiples: dict[StoreyMultiple, None] = {}
-    for link in links:
-        law = link.law_class
-        if law is None:
-            continue
-        stiffnesses = [value for key, value in link.values.items() if key != "stiffness"]
-        stiffnesses.append(link.values.get("stiffness") or _default_stiffness(law, impact))
-        if "impact_stiffness" in law.parameters():
-            stiffnesses.append(impact.stiffness)
-        multiples |= {each: None for each in stiffnesses if isinstance(each, StoreyMultiple)}
-    return tuple(multiples)
-
-
-def evaluate_multiples(multiples: Sequence[StoreyMultiple], group: Group) -> tuple[tuple[StoreyMultiple, float], ...]:
-    """Return multiples of a storey's stiffness, each with what it comes to [N/m]."""
-    return tuple((multiple, group.stiffness(multiple)) for multiple in multiples)
-
-
-def _default_stiffness(law: Any, impact: Any) -> Any:
-    """Return the stiffness of a link that gives none: that of its law, else that of `impact`."""
-    return LINK_STIFFNESS.read(law.stiffness_default) if law.stiffness_default else impact.stiffness
-
-
-def build_laws(
-    links: Sequence[CompleteLink],
-    impact: Any,
-    laws: Mapping[str, OwnLaw],
-    multiples: Sequence[tuple[StoreyMultiple, float]],
-    floors: Floors,
-) -> tuple[LinkLaw | None, ...]:
-    """Return the law of every link of a case; None of no link.
-
-    Raises
-    ------
-    IssuesFound : the parameters of a law do not go together, of a link that joins something
-    """
-    issues = Issues()
-    built = []
-    for number, link in enumerate(links):
-        law = None
-        may_be_at_columns = link.spec.at is not None or (link.law_class is not None and not link.law_class.joins)
-        joins = may_be_at_columns or any(of_pair[number] for of_pair in floors)
-        found: Sequence[Issue] = ()
-        try:
-            law = _build_law(link, impact, laws, dict(multiples))
-        except IssuesFound as refused:
-            found = refused.issues
-        except ValueError as error:
-            found = [Issue(link.path, str(error).removeprefix("link: "), "correct it")]
-        if joins:
-            issues.add_written(found)
-        built.append(law)
-    issues.check()
-    return tuple(built)
-
-
-def _build_law(
-    link: CompleteLink, impact: Any, laws: Mapping[str, OwnLaw], multiples: Mapping[Any, float]
-) -> LinkLaw | None:
-    if link.law == NO_LINK:
-        return None
-    law = link.law_class
-    if law is None:
-        return laws[link.law].build(link.values["gap"])
-    values = {
-        "stiffness": _default_stiffness(law, impact),
-        "impact_stiffness": impact.stiffness,
-        "dashpot": DashpotLaw(impact.dashpot),
-        "tension_cut": impact.tension_cut,
-        **link.values,
-        **find_losses(link.values, law),
-    }
-    parameters = {name: to_enum(law, name, values[name]) for name in law.parameters() if name in values}
-    parameters = {
-        name: multiples[value] if isinstance(value, StoreyMultiple) else value for name, value in parameters.items()
-    }
-    numbers = {name: value for name, value in parameters.items() if isinstance(value, float)}
-    if conflict := law.find_conflict(**numbers):
-        key, message, hint = conflict
-        raise IssuesFound([Issue(link.paths.get(key, (*link.path, key)), message, hint)])
-    built: LinkLaw = law(**parameters)
-    return built
-
-
-# Links
+from pounding_cli.study.text.issues import IssuesFound
 
 
 def build_links(

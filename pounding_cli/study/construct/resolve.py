@@ -16,16 +16,28 @@ from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.model.twist import merge_links
 from pounding_cli.study.construct.buildings import build_building, find_code_displacements
-from pounding_cli.study.construct.complete_links import CompleteLink, check_links, complete_links
-from pounding_cli.study.construct.drafts import check_draft, check_draft_names, read_draft, read_impact_draft
+from pounding_cli.study.construct.complete_links import (
+    CompleteLink,
+    build_laws,
+    check_links,
+    complete_links,
+    evaluate_multiples,
+    list_multiples,
+)
 from pounding_cli.study.construct.group import Group, build_group, check_group_names, check_meetings
-from pounding_cli.study.construct.link_names import Names, check_case_names, check_contact_law, check_impact_names
+from pounding_cli.study.construct.link_names import (
+    Names,
+    check_contact_law,
+    check_impact_names,
+    check_link_names,
+    find_names,
+)
 from pounding_cli.study.construct.link_places import find_floors, find_linked_pairs
-from pounding_cli.study.construct.links import build_laws, build_links, evaluate_multiples, list_multiples
+from pounding_cli.study.construct.links import build_links
 from pounding_cli.study.construct.motions import MotionReader, Suite, read_suite
 from pounding_cli.study.construct.own_laws import build_own_laws
 from pounding_cli.study.construct.swept import Point, Swept, build_constant, build_object_array, sweep_map
-from pounding_cli.study.construct.written import find_names, read_spec
+from pounding_cli.study.construct.written import read_spec
 from pounding_cli.study.schema.like import inherits_key
 from pounding_cli.study.schema.quantity import quote
 from pounding_cli.study.text.file import Map, get, with_value
@@ -178,7 +190,11 @@ class _Resolver:
         """Return a validated part of the study: as written, or validated at the points of the axes that change it."""
         if not any(changes_part(key, path, self.tree) for axis in self.axes for key in axis.names):
             return build_constant(self.specs.get(path))
-        return sweep_part(self.tree, self.axes, path, partial(read_spec, path=path), self.issues)
+        return self.sweep_part(path, partial(read_spec, path=path))
+
+    def sweep_part(self, path: tuple[str, ...], read: Callable[[Map], T]) -> Swept[T]:
+        """Return `sweep_part` of the study; what is wrong is noted."""
+        return sweep_part(self.tree, self.axes, path, read, self.issues)
 
     def map(self, build: Callable[..., T], *parts: Swept[Any]) -> Swept[T]:
         """Return `sweep_map`; what is wrong is noted."""
@@ -197,7 +213,8 @@ class _Resolver:
         group = self.build_group(types)
         names = find_names(self.tree, self.specs)
         impact = self.sweep_spec("impact")
-        impact_of_known_names = self.map(partial(check_impact_names, names=names), impact)
+        has_known_names = self.sweep_part(("impact",), partial(check_impact_names, names=names))
+        impact_of_known_names = self.map(_take_first, impact, has_known_names)
         own_laws = self.build_own_laws()
         checked_impact = self.map(check_contact_law, impact_of_known_names, own_laws)
         cases = {name: self.sweep_spec("cases", name) for name in self.entries("cases")}
@@ -211,16 +228,12 @@ class _Resolver:
         complete = {}
         link_laws = {}
         links = {}
-        for name, case in cases.items():
-            if not case.is_sound:
-                self.note_faulty_case(name, impact, meetings, names)
-            if not impact.is_sound:
-                self.note_keys_beside_faulty_impact(name, case, names)
-            sound_case = self.map(partial(check_case_names, name, names=names), case)
+        for name, case in cases.items():  # the steps are described in complete_links.py
+            has_known_names = self.sweep_part(("cases", name), partial(check_link_names, case=name, names=names))
             floors = self.map(partial(find_floors, name), case, meetings)
             complete[name] = self.map(partial(complete_links, name), case, impact)
             with_sound_keys = self.map(partial(check_links, name, names=names), case, complete[name])
-            checked = self.map(_take_links, with_sound_keys, sound_case, impact_of_known_names)
+            checked = self.map(_take_first, with_sound_keys, has_known_names, impact_of_known_names)
             multiples = self.map(list_multiples, checked, checked_impact).merge_equal()
             stiffnesses = self.map(evaluate_multiples, multiples, group).merge_equal()
             link_laws[name] = self.map(build_laws, checked, checked_impact, own_laws, stiffnesses, floors)
@@ -228,22 +241,6 @@ class _Resolver:
             links[name] = self.map(_merge_links, group, parted) if has_plans else parted
         tail = self.sweep_spec("tail")
         return StudyParts(building_specs, types, group, impact, complete, link_laws, links, records, suite, tail)
-
-    def note_faulty_case(self, name: str, impact: Swept[Any], meetings: Swept[Any], names: Names) -> None:
-        """Note what else is wrong with a faulty case: names that the study lacks, and keys and floors of its links."""
-        path = ("cases", name)
-        drafts = sweep_part(self.tree, self.axes, path, partial(read_draft, path=path), self.issues)
-        self.map(partial(check_draft_names, names=names), drafts)
-        self.map(partial(check_draft, name, names=names), drafts, impact)
-        cases = self.map(lambda draft: draft.case, drafts)
-        self.map(partial(find_floors, name), cases, meetings)
-
-    def note_keys_beside_faulty_impact(self, name: str, case: Swept[Any], names: Names) -> None:
-        """Note what is wrong with the keys of the links of a case where `impact` is faulty."""
-        impact, left_out = read_impact_draft(self.tree)
-        if impact is not None:
-            links = self.map(lambda spec: complete_links(name, spec, impact), case)
-            self.map(partial(check_links, name, names=names, left_out=left_out), case, links)
 
     def build_group(self, types: Mapping[str, Swept[Building]]) -> Swept[Group]:
         """Return the buildings in their places."""
@@ -278,7 +275,7 @@ class _Resolver:
             specs = {name: read_spec(tree, ("laws", name)) for name in names}
             return build_own_laws(specs, tree)
 
-        return sweep_part(self.tree, self.axes, ("laws",), read, self.issues)
+        return self.sweep_part(("laws",), read)
 
 
 def _merge_links(group: Group, links: tuple[Link, ...]) -> tuple[Link, ...]:
@@ -286,6 +283,6 @@ def _merge_links(group: Group, links: tuple[Link, ...]) -> tuple[Link, ...]:
     return merge_links(group.buildings, links)
 
 
-def _take_links(links: tuple[CompleteLink, ...], _case: Any, _impact: Any) -> tuple[CompleteLink, ...]:
-    """Return the links of a case; None stands where case or impact element is faulty (`sweep_map`)."""
-    return links
+def _take_first(part: T, *_others: Any) -> T:
+    """Return a part unchanged; None stands where it or one of the others is faulty (`sweep_map`)."""
+    return part

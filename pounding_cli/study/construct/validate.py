@@ -12,7 +12,7 @@ from pounding_cli.study.construct.group import unique_names
 from pounding_cli.study.construct.motions import MotionReader
 from pounding_cli.study.construct.resolve import StudyParts, resolve, tree_at
 from pounding_cli.study.construct.swept import AS_WRITTEN, Point
-from pounding_cli.study.construct.written import build_study_spec, note_unknown_names, read_specs
+from pounding_cli.study.construct.written import build_study_spec, read_specs
 from pounding_cli.study.schema.like import resolve_all_likes
 from pounding_cli.study.schema.study import StudySpec
 from pounding_cli.study.text.file import Map, Problems, nearest
@@ -34,14 +34,13 @@ def validate_tree(
 ) -> tuple[StudySpec, StudyParts]:
     """Return a study as written, validated, and its parts at the points of the sweep.  Raises InputError.
 
-    problems : found before; the names that a study may have wrong are looked at as well
+    problems : found before; the names under `report` and `keep` are looked at as well
     """
     issues = Issues()
     specs = read_specs(tree, issues, model)
     parts = resolve(specs, tree, axes, reader, issues)
     spec = build_study_spec(specs, issues, model)
     if problems is not None:
-        note_unknown_names(tree, specs, issues)
         _note_names_of_report(specs, tree, axes, parts, issues)
         if tree.get("uncertain") is not None:  # buildings that are only seen have nothing that may be wrong
             read_uncertain(tree, problems)

@@ -1,24 +1,20 @@
-"""Validate a study as it is written, section by section, so that everything wrong is told at once."""
+"""Validate a study as it is written, section by section, so that what is wrong in several of them is told at once."""
 
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
-from pydantic_core import PydanticCustomError
 
 from pounding_cli.errors import Issue, KeyPath
-from pounding_cli.study.construct.link_names import NamedInLink, Names, find_impact_name_issues, find_link_name_issues
 from pounding_cli.study.schema.archetypes import fill_archetype
 from pounding_cli.study.schema.building import BuildingSpec
 from pounding_cli.study.schema.like import resolve_like
-from pounding_cli.study.schema.links import MAX_PAIR
 from pounding_cli.study.schema.lookup import MAX_DESCRIBED, describe_error, describe_errors
-from pounding_cli.study.schema.quantity import LINK_STIFFNESS
 from pounding_cli.study.schema.study import ENTRIES, StudySpec
-from pounding_cli.study.text.file import Items, Map, get
+from pounding_cli.study.text.file import Map
 from pounding_cli.study.text.issues import Issues, IssuesFound
 
 _adapter = functools.cache(TypeAdapter)  # building one takes longer than a validation
@@ -166,54 +162,3 @@ def build_study_spec(specs: dict[KeyPath, Any], issues: Issues, model: type[Stud
     spec = model.model_construct(**sections)
     issues.add_written(spec.issues())
     return spec
-
-
-def find_names(tree: Map, specs: Mapping[KeyPath, Any]) -> Names:
-    """Return the names of laws and buildings of a study, whether or not these are sound."""
-    sections = (tree.get("laws"), tree.get("buildings"))
-    laws, buildings = (tuple(section) if isinstance(section, Map) else () for section in sections)
-    group = specs.get(("group",))
-    return Names(laws, buildings, 0 if group is None else len(group) - 1)
-
-
-def note_unknown_names(tree: Map, specs: Mapping[KeyPath, Any], issues: Issues) -> None:
-    """Note the laws, pairs and buildings that faulty cases and a faulty impact element name and the study lacks.
-
-    Those of sound ones are looked at where links are built.
-    """
-    names = find_names(tree, specs)
-    impact = tree.get("impact")
-    if specs.get(("impact",)) is None and isinstance(impact, Map):
-        law = impact.get("law")
-        stiffness = _read_multiple(impact.get("stiffness"))
-        issues.add_written(find_impact_name_issues(law if isinstance(law, str) else None, stiffness, names))
-    for path, spec in specs.items():
-        if path[0] == "cases" and spec is None:
-            for named in iter_named_in_links(tree, path):
-                issues.add_written(find_link_name_issues(named, names))
-
-
-def iter_named_in_links(tree: Map, path: KeyPath) -> Iterator[NamedInLink]:
-    """Yield what the links of a case name, as the file has them."""
-    case = get(tree, *path)
-    entries = case.get("links") if isinstance(case, Map) else None
-    if isinstance(entries, Items):
-        listed = [((*path, "links", number), entry) for number, entry in enumerate(entries)]
-    else:
-        listed = [(path, case)]
-    for place, entry in listed:
-        word = entry.get("link") if isinstance(entry, Map) else entry
-        is_law = isinstance(word, str | int | float) and not isinstance(word, bool)
-        law = str(word) if is_law and (isinstance(entry, Map) or place != path) else None
-        pair = entry.get("pair") if isinstance(entry, Map) else None
-        is_pair = isinstance(pair, int) and not isinstance(pair, bool) and pair <= MAX_PAIR
-        stiffness = _read_multiple(entry.get("stiffness")) if isinstance(entry, Map) else None
-        yield NamedInLink(place, law, pair if is_pair and pair is not None else 0, stiffness)
-
-
-def _read_multiple(value: Any) -> Any:
-    """Return a stiffness as the file has it; None where it cannot be read, which is told elsewhere."""
-    try:
-        return LINK_STIFFNESS.read(value)
-    except PydanticCustomError:
-        return None

@@ -15,7 +15,7 @@ from pounding_cli.numbers import pluralize
 from pounding_cli.study.schema.archetype import ArchetypeSpec
 from pounding_cli.study.schema.base import Model, list_or, one_or_many, spec_field, tagged_union, word_or
 from pounding_cli.study.schema.floor_plan import PlanSpec
-from pounding_cli.study.schema.links import RATIO, law_fields, own_parameters
+from pounding_cli.study.schema.links import RATIO, key_parameters, law_fields
 from pounding_cli.study.schema.quantity import (
     FORCE,
     LENGTH,
@@ -450,11 +450,11 @@ class _BuildingSpec(Model):
             yield Issue(("slab",), message, "write the thickness of the floor slab, e.g. `slab: 25 cm`")
         law = storey_laws()[self.storey_law]
         for owner in storey_laws().values():
-            for name in own_parameters(owner).keys() - own_parameters(law).keys():
+            for name in key_parameters(owner).keys() - key_parameters(law).keys():
                 if getattr(self, name) is not None:
                     message = f"'{name}' does not apply to storey_law: {law.name}"
                     yield Issue((name,), message, f"remove it; it belongs to {owner.name}", at_key=True)
-        for name, declared in own_parameters(law).items():
+        for name, declared in key_parameters(law).items():
             if getattr(self, name) is None and not isinstance(law.parameters()[name].default, str | float | int):
                 yield Issue((), f"'{name}' is missing", f"storey_law: {law.name} needs it: {declared.description}")
 

@@ -1,4 +1,14 @@
-"""Links of cases and the impact element as a study writes them: pydantic models made from what the laws declare."""
+"""Links of cases and the impact element as a study writes them: pydantic models made from what the laws declare.
+
+What a law declares by `parameter` (`laws/law.py`) becomes a key of a study in these steps:
+
+1. `key_parameters` leaves out what several laws share (SHARED_KEYS) or `impact` gives.
+2. `_find_value_type` takes the type of the key from the annotation, unit and range of the parameter.
+3. The key goes into three models: of the links of the law (`_build_link_model`), of a case with `links:`, whose links
+   take the keys beside them (`SeveralLinks`), and of `impact`, where the law is one of contact (`ImpactSpec`).
+
+`construct/complete_links.py` puts together what these three say of a link, and hands it to the law.
+"""
 
 from __future__ import annotations
 
@@ -58,7 +68,7 @@ LINK_PLACE_KEYS = ("link", "floors", "pair", "at", "distance", "places", "shares
 """Keys that say which link it is and where it stands."""
 
 _DERIVED = {"link": (*SHARED, "impact_stiffness", "dashpot"), "storey": ("stiffness", "yield_shear", "hardening")}
-"""Parameters of laws that are no keys of their own in a study, by what the law acts on."""
+"""Parameters of laws that are no keys by themselves, by what the law acts on."""
 
 RATIO = Quantity("damping ratio", "", "5 %", 0.0, 1.0, open_high=True)
 Ratio = Annotated[float, RATIO]
@@ -92,23 +102,21 @@ SHARED_KEYS: dict[str, tuple[Any, Any]] = {
 # Keys that laws bring along
 
 
-def _own_parameters(law: Any) -> dict[str, Any]:
-    """Return the parameters of a law that are keys of its own, with what the law declares of each."""
+def _find_key_parameters(law: Any) -> dict[str, Any]:
     derived = _DERIVED[law.acts_on]
     return {name: each.metadata["parameter"] for name, each in law.parameters().items() if name not in derived}
 
 
-def _link_keys(law: Any) -> frozenset[str]:
-    """Return the keys that a link of this law takes, beside those of its place."""
+def _find_link_keys(law: Any) -> frozenset[str]:
     names = set(law.parameters())
     losses = LOSSES if names & {*LOSSES} else ()
-    return frozenset({*own_parameters(law), *(names & {*SHARED}), *losses})
+    return frozenset({*key_parameters(law), *(names & {*SHARED}), *losses})
 
 
-own_parameters: Callable[[Any], dict[str, Any]] = functools.cache(_own_parameters)
-"""own_parameters(law) -> the parameters of a law that are keys of its own, with what the law declares of each."""
+key_parameters: Callable[[Any], dict[str, Any]] = functools.cache(_find_key_parameters)
+"""key_parameters(law) -> the parameters of a law that are keys by themselves, with what the law declares of each."""
 
-link_keys: Callable[[Any], frozenset[str]] = functools.cache(_link_keys)
+link_keys: Callable[[Any], frozenset[str]] = functools.cache(_find_link_keys)
 """link_keys(law) -> the keys that a link of this law takes, beside those of its place."""
 
 
@@ -134,7 +142,7 @@ def needs_key(law: Any, name: str) -> bool:
     return not isinstance(law.parameters()[name].default, str | float | int)
 
 
-def _value_type(law: Any, name: str, declared: Any, words: tuple[str, ...]) -> Any:
+def _find_value_type(law: Any, name: str, declared: Any, words: tuple[str, ...]) -> Any:
     """Return the type of a key, from the parameter that a law declares; words : that the key may take."""
     hint = get_type_hints(law)[name]
     if hint is bool:
@@ -159,13 +167,24 @@ def law_fields(laws: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:
     """
     fields: dict[str, tuple[Any, Any]] = {}
     for law in laws.values():
-        for name, declared in own_parameters(law).items():
-            owners = [owner for owner in laws.values() if name in own_parameters(owner)]
+        for name, declared in key_parameters(law).items():
+            owners = [owner for owner in laws.values() if name in key_parameters(owner)]
             words = tuple(dict.fromkeys(str(word) for owner in owners for word in _enumerations(owner).get(name, ())))
             others = ", ".join(owner.name for owner in owners[:-1])
             names = f"{others} and {owners[-1].name}" if others else owners[-1].name
-            value_type = _value_type(law, name, declared, words)
+            value_type = _find_value_type(law, name, declared, words)
             fields[name] = value_type | None, spec_field(None, f"{names}: {declared.description}")
+    return fields
+
+
+def _build_fields(law: Any) -> dict[str, Any]:
+    """Return type and field of all keys that one law brings along, with its defaults."""
+    fields: dict[str, Any] = {}
+    for name, declared in key_parameters(law).items():
+        default = law.parameters()[name].default
+        words = tuple(map(str, _enumerations(law).get(name, ())))
+        value_type = _find_value_type(law, name, declared, words)
+        fields[name] = value_type | None, spec_field(None if needs_key(law, name) else default, declared.description)
     return fields
 
 
@@ -313,22 +332,11 @@ def _keys_as_written(law: Any) -> frozenset[str]:
 def _build_link_model(name: str, law: Any) -> type[LinkSpec]:
     """Return the model of the links of a law; what they lack their case or `impact` may give."""
     fields: dict[str, Any] = {shared: SHARED_KEYS[shared] for shared in SHARED if shared in _keys_as_written(law)}
-    fields |= law_fields(contact_laws()) if law is Pounding else _own_fields(law)
+    fields |= law_fields(contact_laws()) if law is Pounding else _build_fields(law)
     about = (law.__doc__ or name).strip().split("\n\n")[0]
     title = f"Link_{name}".replace("-", "_")
     model: type[LinkSpec] = create_model(title, __base__=LinkSpec, __doc__=about, **fields)
     return model
-
-
-def _own_fields(law: Any) -> dict[str, Any]:
-    """Return type and field of the keys that one law has."""
-    fields: dict[str, Any] = {}
-    for name, declared in own_parameters(law).items():
-        default = law.parameters()[name].default
-        words = tuple(map(str, _enumerations(law).get(name, ())))
-        value_type = _value_type(law, name, declared, words)
-        fields[name] = value_type | None, spec_field(None if needs_key(law, name) else default, declared.description)
-    return fields
 
 
 class NoLinkSpec(LinkSpec):

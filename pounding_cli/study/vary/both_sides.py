@@ -1,4 +1,7 @@
-"""Values to both sides of zero, `accidental: +-5 %`: an unknown value of the sweep, written where its key stands."""
+"""Values to both sides of zero, `accidental: +-5 %`: an unknown value of the sweep, written where its key stands.
+
+The tree is changed before anything reads it, so that axes, tables and sentences know unknown values only.
+"""
 
 from __future__ import annotations
 
