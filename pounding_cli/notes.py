@@ -274,7 +274,7 @@ _NUMBERS = (
     ),
     (
         "collapse",
-        "collapsed",
+        "a storey collapsed",
         "The drift of a storey passed the limit of its building, `collapse:`, at the time named. Peaks up to then do "
         "not describe the response to the whole motion, and tables and means leave them out.",
     ),
@@ -321,8 +321,8 @@ _NUMBERS = (
     ),
     (
         "retried",
-        "solved once more, 100 times as finely",
-        "The first run failed with the status named, and a run with a finer setting succeeded.",
+        "solved once more, more finely",
+        "The first run failed with the status named, and one that is a hundred times as fine came to an end.",
     ),
     (
         "halved-steps",

@@ -143,7 +143,7 @@ def solve(scene: Scene | pound.Scene, accuracy: float = 1e-6, *, estimate: bool 
     place = found.collapse_building, found.collapse_storey
     return Run(
         found.status, found.advice, numbers, found.energy, found.steps, found.events, found.seconds,
-        found.collapse_time, place, found.error_estimate, found.flags, found.effects,
+        found.collapse_time, place, found.error_estimate, tuple(map(str, found.flags)), found.effects,
     )  # fmt: skip
 
 

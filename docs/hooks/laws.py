@@ -19,6 +19,7 @@ from pydantic import Field
 from pounding_cli.laws import link_laws, storey_laws
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.laws.storey import StoreyLaw
+from pounding_cli.notes import NOTES
 from pounding_cli.report.references import REFERENCES
 from pounding_cli.report.style import RC
 from pounding_cli.study.schema.building import BuildingSpec
@@ -93,8 +94,9 @@ def link_page(law: type[LinkLaw]) -> str:
         solved(law.behaviour.force is not None, law.path_dependent),
     ]
     if law.beyond_gap:
-        meaning = "; the numbers of that scene then have no meaning" if law.invalidates else ""
-        facts.append(f"A scene in which it closes more than the gap is flagged: *{law.beyond_gap}*{meaning}.")
+        note = NOTES[law.beyond_gap]
+        meaning = "" if note.can_be_accepted else "; the numbers of that scene then have no meaning"
+        facts.append(f"A scene in which it closes more than the gap is flagged `{note.code}`, *{note.title}*{meaning}.")
     return page(law, f"# Link: `{law.name}`", rows, facts, "cases:\n  example: ", law.name)
 
 

@@ -272,5 +272,5 @@ def _is_done_without_impact(response: Response) -> bool:
 
 def _replace_failed(first: Response, second: Response) -> Response:
     """Return the response of a second try, with a flag that names how the first ended and with the time of both."""
-    flag = Flag(f"solved once more, {1 / FINER:g} times as finely", first.status)
+    flag = Flag("retried", f"{first.status} at first")
     return replace(second, flags=(*second.flags, flag), seconds=first.seconds + second.seconds)

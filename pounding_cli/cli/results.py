@@ -149,6 +149,7 @@ def show(file: Path, table: str | None, form: str, wants_study: bool, **rows: An
       pound show results/sweep.h5 storey --where storey=3 --where "cases.gap.gap=5 cm"
       pound show results/sweep.h5 --study > again.yaml
     """
+    from pounding_cli.results.responses import TEXTS
     from pounding_cli.texts import escape_formulas
 
     results = open_file(file)
@@ -160,8 +161,8 @@ def show(file: Path, table: str | None, form: str, wants_study: bool, **rows: An
     table = table or (results.answers[0] if results.answers else "summary")
     _check_tables(results, [table])
     frame = _select_rows(results, results.table(table), _parse_conditions(**rows), table)
-    sentences = [name for name in ("effects", "dropped", "flags", "flag_severity", "advice") if name in frame.columns]
-    frame = frame.assign(**{name: frame[name].str.replace("\n", "; ") for name in sentences})
+    lines = [name for name in TEXTS if name in frame.columns]
+    frame = frame.assign(**{name: frame[name].str.replace("\n", "; ") for name in lines})
     if form == "csv":
         click.echo(escape_formulas(frame).to_csv(index=False, lineterminator="\n"), nl=False)
         return

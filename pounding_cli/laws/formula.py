@@ -421,7 +421,7 @@ class WrittenFilling(WrittenLaw):
 
     symbol = "filling"
     subtracts_gap = False
-    beyond_gap = "material of a law of the study compressed beyond its thickness"
+    beyond_gap = "crushed"
 
 
 @dataclass(frozen=True)
@@ -431,8 +431,7 @@ class WrittenJoint(WrittenLaw):
     closings = _BOTH_WAYS
     symbol = "bar"
     subtracts_gap = False
-    beyond_gap = "joint of a law of the study closes more than the gap, so the floors would have struck"
-    invalidates = True
+    beyond_gap = "struck"
     joins = True
 
     def soften(self, flexibility: float) -> WrittenJoint:

@@ -120,7 +120,7 @@ class Infill(LinkLaw):
     )
     symbol = "filling"
     stiffness_default = "0.2 x mean storey"
-    beyond_gap = "infill compressed beyond its thickness"
+    beyond_gap = "crushed"
     behaviour = Behaviour(next_infill_branch)
     scaled_parameters = ("stiffness", "impact_stiffness")
 

@@ -20,7 +20,6 @@ class Joint(LinkLaw):
     """
 
     symbol = "bar"
-    invalidates = True
     joins = True
     behaviour = JOINED
 
@@ -37,7 +36,7 @@ class Connector(Joint):
         ("westermo1989", "connecting buildings"),
     )
     stiffness_default = "0.2 x mean storey"
-    beyond_gap = "connector closes more than the gap, so the floors would have struck"
+    beyond_gap = "struck"
     scaled_parameters = ("stiffness",)
 
     stiffness: float = parameter("spring s_con", "N/m", open_low=True)
@@ -64,7 +63,7 @@ class Damper(Joint):
 
     name = "damper"
     example = "{link: damper, gap: 5 cm, damping_coefficient: 2 MN s/m}"
-    beyond_gap = "damper closes more than the gap, so the floors would have struck"
+    beyond_gap = "struck"
     takes_energy = True
     scaled_parameters = ("damping_coefficient",)
 
@@ -108,7 +107,7 @@ class Viscous(Joint):
     name = "viscous"
     example = "{link: viscous, gap: 5 cm, force_at_1_m_s: 500 kN, exponent: 0.3}"
     citation = (("lin2002", "viscous dampers with an exponent"),)
-    beyond_gap = "viscous damper closes more than the gap, so the floors would have struck"
+    beyond_gap = "struck"
     takes_energy = True
     behaviour = Behaviour(begin_viscous_flow, viscous_force)
     scaled_parameters = ("force_at_1_m_s",)
@@ -146,7 +145,7 @@ class Maxwell(Joint):
     example = "{link: maxwell, gap: 5 cm, damping_coefficient: 2 MN s/m, stiffness: 100 kN/mm}"
     citation = (("zhang2000", "Maxwell dampers between buildings"),)
     stiffness_default = "1 x mean storey"
-    beyond_gap = "Maxwell damper closes more than the gap, so the floors would have struck"
+    beyond_gap = "struck"
     path_dependent = True
     takes_energy = True
     behaviour = Behaviour(begin_relaxation)
@@ -181,7 +180,7 @@ class Friction(Joint):
     example = "{link: friction, gap: 5 cm, slip_force: 200 kN}"
     citation = (("pall1982", "friction dampers"), ("bhaskararao2006", "friction dampers between buildings"))
     stiffness_default = "1 x mean storey"
-    beyond_gap = "friction damper closes more than the gap, so the floors would have struck"
+    beyond_gap = "struck"
     path_dependent = True
     behaviour = BILINEAR
     scaled_parameters = ("stiffness", "slip_force")

@@ -163,8 +163,7 @@ class LinkLaw(Law):
     symbol : how pictures show it: "gap" (nothing between the floors), "filling" or "bar"
     subtracts_gap : whether v is the closing less the gap
     stiffness_default : spring unless given, as a study file would write it; "" for `impact.stiffness`
-    beyond_gap : what a scene is flagged with where the closing exceeds the gap, or ""
-    invalidates : whether exceeding the gap invalidates the scene
+    beyond_gap : code of the note that a scene is flagged with where the closing exceeds the gap, or ""
     can_act : whether a force may ever act
     joins : whether a force acts at all closings, not only once the floors meet
     path_dependent : whether its force depends on what happened before, so that only methods that locate events know it
@@ -183,7 +182,6 @@ class LinkLaw(Law):
     subtracts_gap: ClassVar[bool] = False
     stiffness_default: ClassVar[str] = ""
     beyond_gap: ClassVar[str] = ""
-    invalidates: ClassVar[bool] = False
     can_act: ClassVar[bool] = True
     joins: ClassVar[bool] = False
     path_dependent: ClassVar[bool] = False

@@ -66,16 +66,6 @@ class DroppedEffect:
         """Return the coupling of a row whose `parts`, in words, nothing links."""
         return cls(COUPLING, f"no force passes between {parts}, and each is solved by itself")
 
-    @classmethod
-    def parse(cls, line: str) -> DroppedEffect:
-        """Return the effect of a line that `str` wrote; names of buildings may have any characters."""
-        if line.startswith(f"{COUPLING}: "):
-            return cls(COUPLING, line.removeprefix(f"{COUPLING}: "))
-        head, _, reason = line.rpartition(": ")
-        if reason.startswith(NEVER_CLOSES):
-            return cls(cls.LINKS, reason, head.removeprefix(f"{cls.LINKS} "))
-        return cls(head, reason)
-
     def __str__(self) -> str:
         return f"{self.effect} {self.links}".rstrip() + f": {self.reason}"
 

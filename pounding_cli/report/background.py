@@ -21,6 +21,7 @@ from pounding_cli.report.evidence import Evidence, describe_motions, find_writte
 from pounding_cli.report.plans import has_plans
 from pounding_cli.results.columns import column_of
 from pounding_cli.results.flags import failed_scenes, flag_groups_of
+from pounding_cli.results.responses import decode_dropped
 from pounding_cli.tables import Table, table_of_texts
 
 if TYPE_CHECKING:
@@ -249,7 +250,7 @@ def _build_effects(scene: pd.DataFrame, tells_twist: bool) -> Table:
 
     tells_twist : whether buildings have plans, so that a row may leave their twist out
     """
-    kept = Counter(line.partition(": ")[0] for cell in scene["effects"] for line in cell.splitlines())
+    kept = Counter(line for cell in scene["effects"] for line in cell.splitlines())
     dropped = Counter(_dropped_effects(scene))
     untwisted = sum(bool(cell) and TWIST_OF_FLOORS not in cell.splitlines() for cell in scene["effects"])
     if tells_twist and untwisted:
@@ -263,8 +264,9 @@ def _build_effects(scene: pd.DataFrame, tells_twist: bool) -> Table:
 
 def _dropped_effects(scene: pd.DataFrame) -> Iterator[DroppedEffect]:
     """Yield the effects that runs left out, one entry a run."""
-    for cell in scene["dropped"]:
-        yield from map(DroppedEffect.parse, cell.splitlines())
+    texts = scene[["dropped", "dropped_links", "dropped_reasons"]]
+    for cells in texts.itertuples(index=False, name=None):
+        yield from decode_dropped(*cells)
 
 
 def _open_gaps(scene: pd.DataFrame) -> list[str]:

@@ -19,7 +19,7 @@ from pounding_cli.report.evidence import Evidence, describe_motions, list_points
 from pounding_cli.report.figures import CONTACT_SENTENCE, has_contacts, new_framed_panels
 from pounding_cli.report.style import finish, looks, name_axis, with_style
 from pounding_cli.results.columns import column_of
-from pounding_cli.solver.flags import is_meaningless
+from pounding_cli.results.flags import is_void
 from pounding_cli.study.expressions.expression import CONTACT_QUANTITIES
 from pounding_cli.variables import RESPONSE_VARIABLES, VARIABLES
 
@@ -166,7 +166,7 @@ def _select_values(results: ResultTables, quantity: str, places: Mapping[str, An
 
 def find_meaningless(flags: xr.DataArray) -> xr.DataArray:
     """Return of every run whether its flags take the meaning from its numbers."""
-    void = [any(map(is_meaningless, cell.splitlines())) for cell in flags.values.flat]
+    void = [is_void(cell) for cell in flags.values.flat]
     return flags.copy(data=np.array(void, bool).reshape(flags.shape))
 
 

@@ -28,6 +28,7 @@ _FURTHER = {
     "records_flagged": ("1", "number of records whose scene carries a flag"),
     "records_meaningless": ("1", "number of records whose numbers have no meaning"),
     "records_collapsed": ("1", "number of records in which the building, or one linked to it, collapsed"),
+    "code": ("", "the note of the flag: pound explain CODE"),
     "flag": ("", "what is flagged"),
     "detail": ("", "where, and by how much"),
     "severity": ("1", "larger where a flag of that kind is worse; none where its kind does not compare"),
@@ -44,7 +45,7 @@ _FURTHER = {
 _OPTIONAL_ENDINGS = {
     "summary": ("_error", "_sensitivity", "_std", "_min"),
     "scene": (
-        *("advice", "flag_severity", "effects", "dropped"),
+        *("advice", "flag_details", "flag_severity", "effects", "dropped", "dropped_links", "dropped_reasons"),
         *("_input", "_kinetic", "_stored", "_damping", "_hysteresis", "_links"),
     ),
     "records": ("digest",),

@@ -35,7 +35,7 @@ from pounding_cli.results.responses import (
     solution_key,
     solver_version,
 )
-from pounding_cli.solver.response import COLLAPSED, DONE, Flag
+from pounding_cli.solver.response import DONE, Flag
 from pounding_cli.variables import LINE_RATIO_VARIABLES, RATIO_VARIABLES, STOREY_DIMS, VARIABLES, Variable
 
 if TYPE_CHECKING:
@@ -217,31 +217,30 @@ def _flag(plan: Plan, solved: Responses, found: Arrays) -> None:
     status = solved.texts["status"]
 
     def add(where: Any, flag: Flag) -> None:
-        for lines, line in ((found["flags"], str(flag)), (found["flag_severity"], repr(flag.severity))):
-            lines[where] = [f"{before}\n{line}" if before else line for before in lines[where]]
+        is_first = found["flags"][where] == ""
+        texts = {"flags": flag.code, "flag_details": flag.detail, "flag_severity": repr(flag.severity)}
+        for name, text in texts.items():
+            found[name][where] = np.where(is_first, text, found[name][where] + "\n" + text)
 
     for place, name in enumerate(plan.buildings):
         of_alone = np.where(solved.is_known[plan.numbers[..., 0]], status[plan.numbers[..., 1 + place]], "")
         for word in sorted({*of_alone.ravel().tolist()} - {DONE, ""}):
-            if word == COLLAPSED:
-                add(of_alone == word, Flag(f"{name} alone collapsed, its ratios are left out"))
-            else:
-                add(of_alone == word, Flag(f"{name} alone", f"{word}, ratios refused"))
+            add(of_alone == word, Flag("baseline", f"{name} alone: {word}"))
     for name in RATIO_VARIABLES:
         base = VARIABLES[name].ratio[1]
         zero = (found[base] == 0).any(axis=(-2, -1))
         if base == "mu0":  # no storey of an elastic analysis yields: nobody asks for its ductility
             zero &= np.array([each == Analysis.INELASTIC for each in plan.analyses])[:, None]
-        add(zero, Flag(f"{base} = 0", "ratio refused"))
+        add(zero, Flag("zero-baseline", f"{base} = 0"))
     if "shear_demand" not in found:
         return
     is_loaded = found["contact_time"] > 0  # columns that yield by themselves have 1 anyway
     is_blow = find_contacts(plan, found["kind"])[..., None, None, :]  # the same in all analyses and motions
-    for words, is_meant in (("columns overloaded by a blow", is_blow), ("columns overloaded by a link", ~is_blow)):
+    for words, is_meant in (("by a blow", is_blow), ("by a link", ~is_blow)):
         demand = np.where(is_loaded & is_meant, found["shear_demand"], np.nan)
         for at in np.argwhere((demand > 1).any(axis=-1)):
             detail, worst = _describe_overload(plan, demand[tuple(at)])
-            add(tuple(at[:, None]), Flag(words, detail, worst))
+            add(tuple(at[:, None]), Flag("columns", f"{detail}, {words}", worst))
 
 
 def find_contacts(plan: Plan, kinds: np.ndarray) -> np.ndarray:

@@ -21,7 +21,7 @@ from pounding_cli.texts import escape_controls
 FORMAT = "pounding study results"
 """Attribute `format` of every results file."""
 
-FORMAT_VERSION = 9
+FORMAT_VERSION = 10
 """Raised whenever a reader of the former version would misread the file."""
 
 SEAL = b"pound seal 2\n\0\0\0"

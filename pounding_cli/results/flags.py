@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
+from pounding_cli.notes import NOTES
 from pounding_cli.numbers import Unit, pluralize
-from pounding_cli.solver.flags import is_meaningless
+from pounding_cli.results.responses import decode_flags
 from pounding_cli.solver.response import OUTCOMES
 
 if TYPE_CHECKING:
@@ -24,9 +24,9 @@ MAX_DETAILS = 3
 
 @dataclass(frozen=True)
 class FlagGroup:
-    """The scenes of one case and analysis that carry one flag.
+    """The scenes of one case and analysis that carry flags of one code.
 
-    flag : what is flagged, e.g. "infill compressed beyond its thickness"
+    code : its entry in the catalogue of notes
     detail : where and by how much, of the worst of them; of flags that do not compare what they say; "" where they say
         nothing more
     worst : the scene of that detail in words; "" where flags do not compare
@@ -38,7 +38,7 @@ class FlagGroup:
 
     case: str
     analysis: str
-    flag: str
+    code: str
     detail: str
     worst: str
     severity: float
@@ -47,8 +47,14 @@ class FlagGroup:
     of: int
     scenes: str
 
+    @property
+    def flag(self) -> str:
+        """What is flagged, in words."""
+        return NOTES[self.code].title
+
     def __str__(self) -> str:
-        where = f"{self.case}, {self.analysis}, {self.count} of {pluralize(self.of, 'row')} ({self.scenes})"
+        where = f"[{self.code}] {self.case}, {self.analysis}, {self.count} of {pluralize(self.of, 'row')}"
+        where += f" ({self.scenes})"
         if not self.detail:
             return f"{where}: {self.flag}"
         if self.count > 1 and self.worst:
@@ -56,16 +62,9 @@ class FlagGroup:
         return f"{where}: {self.flag}: {self.detail}"
 
 
-def split_flag(line: str) -> tuple[str, str]:
-    """Return what a line of the flags of a scene says is flagged, and the detail behind its colon."""
-    flag, _, detail = line.partition(": ")
-    return flag, detail
-
-
-@lru_cache(maxsize=1024)
-def is_void(flags: str) -> bool:
-    """Return whether one of the flags of a scene takes the meaning from its numbers."""
-    return any(map(is_meaningless, flags.splitlines()))
+def is_void(codes: str) -> bool:
+    """Return whether one of the flags of a scene takes the meaning from its numbers; codes : one a line."""
+    return not all(NOTES[code].can_be_accepted for code in codes.splitlines())
 
 
 def flagged_scenes(scene: pd.DataFrame) -> pd.DataFrame:
@@ -74,11 +73,11 @@ def flagged_scenes(scene: pd.DataFrame) -> pd.DataFrame:
 
     place = [*_swept_keys(scene), "case", "analysis", "record"]
     rows = []
-    for *where, flags, severities in scene[[*place, "flags", "flag_severity"]].itertuples(index=False, name=None):
-        for line, severity in zip(flags.splitlines(), severities.splitlines(), strict=True):
-            flag, detail = split_flag(line)
-            rows.append((*where, flag, detail, float(severity), is_void(flag)))
-    columns = [*place, "flag", "detail", "severity", "meaningless"]
+    texts = ["flags", "flag_details", "flag_severity"]
+    for *where, codes, details, severities in scene[[*place, *texts]].itertuples(index=False, name=None):
+        for each in decode_flags(codes, details, severities):
+            rows.append((*where, each.code, each.title, each.detail, each.severity, each.is_meaningless))
+    columns = [*place, "code", "flag", "detail", "severity", "meaningless"]
     return pd.DataFrame(rows, columns=columns).astype({"severity": float, "meaningless": bool})
 
 
@@ -92,8 +91,8 @@ def flag_groups_of(scene: pd.DataFrame, units: Mapping[str, Unit] | None = None)
     totals = scene.groupby(["case", "analysis"], sort=False).size()
     groups = list[FlagGroup]()
     place: Any
-    for place, rows in flagged.groupby(["case", "analysis", "flag"], sort=False):
-        case, analysis, flag = place
+    for place, rows in flagged.groupby(["case", "analysis", "code"], sort=False):
+        case, analysis, code = place
         flagged_points = rows.drop_duplicates([*swept, "record"])
         count = len(flagged_points)
         total = int(totals[case, analysis])
@@ -103,7 +102,7 @@ def flag_groups_of(scene: pd.DataFrame, units: Mapping[str, Unit] | None = None)
         scenes = "all" if count == total > 1 else ("; " if swept else ", ").join(named)
         detail, worst, severity = _find_worst(rows, swept, units or {})
         meaningless = bool(rows["meaningless"].iloc[0])
-        groups.append(FlagGroup(case, analysis, flag, detail, worst, severity, meaningless, count, total, scenes))
+        groups.append(FlagGroup(case, analysis, code, detail, worst, severity, meaningless, count, total, scenes))
     order = list(totals.index)
     return tuple(sorted(groups, key=lambda group: (not group.meaningless, order.index((group.case, group.analysis)))))
 

@@ -6,7 +6,7 @@ import hashlib
 import json
 import math
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cache, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pounding_cli import __version__
+from pounding_cli.model.effects import DroppedEffect
 from pounding_cli.solver.response import (
     BASES,
     COLLAPSES,
@@ -32,8 +33,11 @@ from pounding_cli.solver.response import (
 if TYPE_CHECKING:
     from pounding_cli.study.run_plan import Plan
 
-TEXTS = ("status", "advice", "method", "flags", "flag_severity", "effects", "dropped")
-"""Texts of a response; of the last four one entry a line."""
+TEXTS = (
+    *("status", "advice", "method", "effects"),
+    *("flags", "flag_details", "flag_severity", "dropped", "dropped_links", "dropped_reasons"),
+)
+"""Texts of a response; of the last seven one entry a line, "" of none."""
 
 SCALARS = (
     "accuracy", "time_step", "steps", "events", "orders", "seconds", "error_estimate", "sensitivity",
@@ -58,9 +62,19 @@ def row_type(buildings: int, storeys: int, links: int, lines: int = 0) -> np.dty
 def encode_response(response: Response) -> Row:
     """Return a response as a row; its end state is not kept."""
     r = response
-    texts = [
-        each if isinstance(each, str) else "\n".join(map(str, each)) for each in (getattr(r, name) for name in TEXTS)
-    ]
+    texts_by_name = {
+        "status": r.status,
+        "advice": r.advice,
+        "method": r.method,
+        "effects": "\n".join(r.effects),
+        "flags": "\n".join(each.code for each in r.flags),
+        "flag_details": "\n".join(each.detail for each in r.flags),
+        "flag_severity": "\n".join(repr(float(each.severity)) for each in r.flags),
+        "dropped": "\n".join(each.effect for each in r.dropped),
+        "dropped_links": "\n".join(each.links for each in r.dropped),
+        "dropped_reasons": "\n".join(each.reason for each in r.dropped),
+    }
+    texts = [texts_by_name[name] for name in TEXTS]
     size = [len(r.storeys), max(r.storeys), r.peaks["impacts"].size]
     if "line_drift" in (r.peaks.dtype.names or ()):
         size.append(r.peaks["line_drift"].shape[-1])
@@ -76,11 +90,6 @@ def decode_response(row: Row, storeys: tuple[int, ...]) -> Response:
     texts, size = json.loads(row[0])
     numbers = np.frombuffer(row[1], row_type(*size))[0]
     text_by_name = dict(zip(TEXTS, texts, strict=True))
-    severities = map(float, text_by_name["flag_severity"].splitlines())
-    flags = []
-    for line, severity in zip(text_by_name["flags"].splitlines(), severities, strict=True):
-        kind, _, detail = line.partition(": ")
-        flags.append(Flag(kind, detail, severity))
     peaks_of_row = peaks_type(*size)
     peaks = np.frombuffer(row[1], peaks_of_row, offset=len(row[1]) - peaks_of_row.itemsize)[0]
     facts: dict[str, Any] = {name: float(numbers[name]) for name in SCALARS}
@@ -94,8 +103,26 @@ def decode_response(row: Row, storeys: tuple[int, ...]) -> Response:
         method=text_by_name["method"],
         **facts,
         energy={name: float(numbers[f"energy_{name}"]) for name in ENERGIES},
-        flags=tuple(flags),
+        flags=tuple(decode_flags(*(text_by_name[name] for name in ("flags", "flag_details", "flag_severity")))),
     )
+
+
+def decode_flags(codes: str, details: str, severities: str) -> Iterator[Flag]:
+    """Yield the flags of a scene, of each text one entry a line."""
+    for code, detail, severity in _split_lines(codes, details, severities):
+        yield Flag(code, detail, float(severity))
+
+
+def decode_dropped(names: str, links: str, reasons: str) -> Iterator[DroppedEffect]:
+    """Yield the effects that a scene leaves out, of each text one entry a line."""
+    for name, of_links, reason in _split_lines(names, links, reasons):
+        yield DroppedEffect(name, reason, of_links)
+
+
+def _split_lines(first: str, *others: str) -> Iterator[tuple[str, ...]]:
+    """Yield the entries of texts of one entry a line, of which that of the first is never empty."""
+    if first:
+        yield from zip(first.split("\n"), *(text.split("\n") for text in others), strict=True)
 
 
 def read_status(row: Row) -> str:

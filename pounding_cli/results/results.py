@@ -299,11 +299,12 @@ class ResultTables:
     def flagged(self) -> pd.DataFrame:
         """Return which scenes are flagged and why; no row where nothing is.
 
-        Columns: swept keys, case, analysis, record, flag, detail, severity, meaningless.
+        Columns: swept keys, case, analysis, record, code, flag, detail, severity, meaningless.
 
-        flag : what is flagged; detail : where and by how much; severity : larger where a flag of its kind is worse, NaN
-        where its kind does not compare; meaningless : whether the flag takes the meaning from
-        all numbers of its scene (a connector that closes more than its gap), or is worth knowing beside them.
+        code : of its entry in the catalogue of notes (`pound explain CODE`); flag : its title, what is flagged;
+        detail : where and by how much; severity : larger where a flag of its code is worse, NaN where its code does not
+        compare; meaningless : whether the flag takes the meaning from all numbers of its scene (a connector that closes
+        more than its gap), or is worth knowing beside them.
         `flag_groups_of(results.scene())` sums them up by case and analysis.
         """
         return flagged_scenes(self.scene())

@@ -75,9 +75,6 @@ BESIDE_FIXED_STEPS = 1e-9
 """Accuracy of the Taylor run that a fixed-step method is judged by."""
 
 
-CUT_SHORT = "error estimate cut short"
-"""The flag of a response whose error may be larger than its estimate, because the runs for that were stopped."""
-
 ARM = 1.0
 """Distance from the centres of mass at which a twist is told from nothing by what it moves [m]."""
 
@@ -349,9 +346,9 @@ def _put_doubts(
     if sensitivity > ILL_CONDITIONED:
         flags.append(_flag_sensitivity(sensitivity))
     if np.isnan(error):
-        flags.append(Flag("no error estimate", end))
+        flags.append(Flag("no-error", end))
     elif limit:
-        flags.append(Flag(CUT_SHORT, f"{limit}; the error, about {error:.1e}, may be larger", error))
+        flags.append(Flag("cut-short", f"{limit}; the error, about {error:.1e}, may be larger", error))
     if not METHODS[response.method].takes_step and error > accuracy:
         flags.append(_flag_error(error, accuracy))
     return dataclasses.replace(response, error_estimate=error, sensitivity=sensitivity, flags=tuple(flags))
@@ -360,10 +357,10 @@ def _put_doubts(
 def _flag_sensitivity(sensitivity: float) -> Flag:
     """Return the flag of an ill-conditioned scene; its sensitivity [-] is inf where the nudge decides a collapse."""
     effect = f"changes a peak by {sensitivity * NUDGE:.1e}" if sensitivity < np.inf else "decides what collapses"
-    return Flag("ill-conditioned", f"a motion that grows gradually by 1e-6 {effect}", sensitivity)
+    return Flag("sensitive", f"a motion that grows gradually by 1e-6 {effect}", sensitivity)
 
 
 def _flag_error(error: float, accuracy: float) -> Flag:
     """Return the flag of a response whose error [-] exceeds the accuracy asked [-]; inf where a collapse is open."""
     rest = f"an error of about {error:.1e} is left" if error < np.inf else "what collapses is open"
-    return Flag("less accurate than asked", f"{rest}, {accuracy:.0e} was asked", error)
+    return Flag("error", f"{rest}, {accuracy:.0e} was asked", error)

@@ -4,19 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from pounding_cli.laws import link_laws
-from pounding_cli.laws.formula import WrittenJoint
-from pounding_cli.laws.law import LinkLaw
 from pounding_cli.model.meetings import face_each_other
 from pounding_cli.model.scene import Scene
 from pounding_cli.model.wall import Wall
-from pounding_cli.solver.response import COLLAPSED, Flag
+from pounding_cli.notes import NOTES
+from pounding_cli.solver.response import Flag
 
 PASSING_SHARE = 0.1
 """Part of a storey height by which floors may press into each other before they count as passing through [-]."""
-
-PASSING = "floors pass through each other by more than a tenth of a storey height, as no contact does"
-"""The flag of a scene where they do."""
 
 
 def list_flags(scene: Scene, peaks: np.void) -> tuple[Flag, ...]:
@@ -33,7 +28,7 @@ def list_flags(scene: Scene, peaks: np.void) -> tuple[Flag, ...]:
         if isolation is not None and sway > isolation.capacity:
             beyond = sway - isolation.capacity
             detail = f"{building.name}, by {1000 * beyond:.3g} mm"
-            flags.append(Flag("isolators moved beyond their capacity", detail, beyond))
+            flags.append(Flag("isolators", detail, beyond))
     striking = [link for link in scene.links if link.law.subtracts_gap]
     striking_ends = {link.ends for link in striking}
     striking_pairs = {link.left for link in striking}
@@ -44,10 +39,11 @@ def list_flags(scene: Scene, peaks: np.void) -> tuple[Flag, ...]:
         lets_strike = link.ends in striking_ends
         if link.left in striking_pairs and not face_each_other(link, left, right):
             lets_strike = True
-        if not (link.law.invalidates and lets_strike):
+        code = link.law.beyond_gap
+        if NOTES[code].can_be_accepted or not lets_strike:
             beyond = closing - link.gap
-            detail = f"{left.name} | {right.name}, floor {link.left_floor}, by {1000 * beyond:.3g} mm"
-            flags.append(Flag(link.law.beyond_gap, detail, beyond))
+            place = f"{link.law.name} of {left.name} | {right.name}, floor {link.left_floor}"
+            flags.append(Flag(code, f"{place}, by {1000 * beyond:.3g} mm", beyond))
     return (*flags, *list_passing_floors(scene, peaks))
 
 
@@ -70,16 +66,10 @@ def list_passing_floors(scene: Scene, peaks: np.void) -> list[Flag]:
         beyond = closing - link.gap
         if heights and beyond > PASSING_SHARE * min(heights):
             place = f"{left.name} | {right.name}, floor {link.left_floor}"
-            flags.append(Flag(PASSING, f"{place}, by {1000 * beyond:.3g} mm", beyond))
+            flags.append(Flag("passing", f"{place}, by {1000 * beyond:.3g} mm", beyond))
     return flags
 
 
 def build_collapse_flag(building: str, storey: int, time: float) -> Flag:
     """Return the flag of a storey of a building that collapsed, counted from 1, at a time [s]."""
-    return Flag(COLLAPSED, f"{building} storey {storey}, at {time:.4g} s", severity=-time)  # the earlier, the worse
-
-
-def is_meaningless(flag: str) -> bool:
-    """Return whether a flag takes the meaning from all numbers of its scene."""
-    laws: tuple[type[LinkLaw], ...] = (*link_laws().values(), WrittenJoint)
-    return flag.startswith(tuple(law.beyond_gap for law in laws if law.invalidates))
+    return Flag("collapse", f"{building} storey {storey}, at {time:.4g} s", severity=-time)  # the earlier, the worse

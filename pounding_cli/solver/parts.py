@@ -19,6 +19,7 @@ from pounding_cli.solver.response import (
     COLUMNS,
     DONE,
     LINKS,
+    Flag,
     Response,
     building_names,
     count_lines,
@@ -124,22 +125,21 @@ def _join_energies(energies: Sequence[Mapping[str, float]]) -> dict[str, float]:
     return joined
 
 
-def _join_flags(parts: Sequence[PartScene], responses: Sequence[Response]) -> Iterator[str]:
-    """Yield the flags of all parts, collapses first; of a kind that names no place the worst alone."""
-    placed: list[str] = []
-    worst_by_kind: dict[str, str] = {}
+def _join_flags(parts: Sequence[PartScene], responses: Sequence[Response]) -> Iterator[Flag]:
+    """Yield the flags of all parts, collapses first; of a code that names no place the worst alone."""
+    placed: list[Flag] = []
+    worst_by_code: dict[str, Flag] = {}
     for each, response in zip(parts, responses, strict=True):
         of_places = list_placed_flags(each.scene, response)
         placed += of_places
         for flag in list_other_flags(of_places, response):
-            kind = _find_kind(flag)
-            if kind not in worst_by_kind or _find_severity(flag) > _find_severity(worst_by_kind[kind]):
-                worst_by_kind[kind] = flag
-    yield from sorted(placed, key=lambda flag: _find_kind(flag) != COLLAPSED)
-    yield from worst_by_kind.values()
+            if flag.code not in worst_by_code or flag.severity > worst_by_code[flag.code].severity:
+                worst_by_code[flag.code] = flag
+    yield from sorted(placed, key=lambda flag: flag.code != "collapse")
+    yield from worst_by_code.values()
 
 
-def list_placed_flags(scene: Scene, response: Response) -> list[str]:
+def list_placed_flags(scene: Scene, response: Response) -> list[Flag]:
     """Return the flags that name buildings, in the names of a scene, from the numbers of its response."""
     collapses = []
     for place in response.fallen_buildings:
@@ -148,21 +148,10 @@ def list_placed_flags(scene: Scene, response: Response) -> list[str]:
     return [*collapses, *list_flags(scene, response.peaks)]
 
 
-def list_other_flags(placed: Iterable[str], response: Response) -> list[str]:
-    """Return the flags of a response of other kinds than those that name buildings."""
-    kinds = {_find_kind(flag) for flag in placed}
-    return [flag for flag in response.flags if _find_kind(flag) not in kinds]
-
-
-def _find_kind(flag: str) -> str:
-    """Return the kind of a flag, up to its colon."""
-    return flag.partition(": ")[0]
-
-
-def _find_severity(flag: str) -> float:
-    """Return the severity of a flag, the least of one whose kind does not compare."""
-    severity = float(getattr(flag, "severity", math.nan))
-    return -math.inf if math.isnan(severity) else severity
+def list_other_flags(placed: Iterable[Flag], response: Response) -> list[Flag]:
+    """Return the flags of a response of other codes than those that name buildings."""
+    codes = {flag.code for flag in placed}
+    return [flag for flag in response.flags if flag.code not in codes]
 
 
 def join_histories(scene: Scene, parts: Sequence[PartScene], histories: Sequence[Mapping[str, Any]]) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pounding_cli.notes import NOTES
 from pounding_cli.numbers import pluralize
 
 if TYPE_CHECKING:
@@ -69,18 +70,31 @@ def building_names(peaks: np.void) -> tuple[str, ...]:
     return (*STOREYS, *BASES, *COLLAPSES, *twisting)
 
 
-class Flag(str):
-    """A sentence about a scene that a reader of its numbers should know: its kind, a colon, where and by how much.
+@dataclass(frozen=True)
+class Flag:
+    """What a reader of the numbers of a scene should know.
 
-    severity : number by which flags of one kind compare, larger where it is worse; NaN where they do not compare
+    code : its entry in the catalogue of notes
+    detail : where and by how much, in one line
+    severity : number by which flags of one code compare, larger where it is worse; NaN where they do not compare
     """
 
-    severity: float
+    code: str
+    detail: str = ""
+    severity: float = math.nan
 
-    def __new__(cls, kind: str, detail: str = "", severity: float = math.nan) -> Flag:
-        flag = super().__new__(cls, f"{kind}: {detail}" if detail else kind)
-        flag.severity = severity
-        return flag
+    @property
+    def title(self) -> str:
+        """What is flagged, in words."""
+        return NOTES[self.code].title
+
+    @property
+    def is_meaningless(self) -> bool:
+        """True if it takes the meaning from all numbers of its scene."""
+        return not NOTES[self.code].can_be_accepted
+
+    def __str__(self) -> str:
+        return f"{self.title}: {self.detail}" if self.detail else self.title
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -212,8 +226,7 @@ class Response:
     seconds : time inside the solver [s]
     energy : energy balance [J]: input, kinetic, stored, links_stored, damping, hysteresis, links; residual is what is
         missing over the largest of them, or over what storeys held at their peaks if that is more [-]
-    flags : sentences about the scene, each a `Flag`, e.g. "infill compressed beyond its thickness: stiff | soft, floor
-        5, by 3 mm"
+    flags : what a reader of its numbers should know
     effects : names of the effects that were simulated
     dropped : effects left out, and links whose gap never closed, each with its reason
     orders : Taylor orders computed in all (0 for other methods)
@@ -237,7 +250,7 @@ class Response:
     events: int
     seconds: float
     energy: dict[str, float] = field(default_factory=dict)
-    flags: tuple[str, ...] = ()
+    flags: tuple[Flag, ...] = ()
     effects: tuple[str, ...] = ()
     dropped: tuple[DroppedEffect, ...] = ()
     orders: int = 0
@@ -320,11 +333,6 @@ class Response:
         """The places of the buildings of which a storey collapsed, from 0."""
         fallen: list[int] = np.flatnonzero(self.peaks["collapse_storey"] > 0).tolist()
         return fallen
-
-    @property
-    def flag_severity(self) -> tuple[str, ...]:
-        """The severity of every flag as a text, "nan" where flags of its kind do not compare."""
-        return tuple(repr(float(getattr(flag, "severity", math.nan))) for flag in self.flags)
 
     @property
     def has_result(self) -> bool:

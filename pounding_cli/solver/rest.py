@@ -45,10 +45,7 @@ SAFETY = 2.0
 LEAST_ERROR = 1e-10
 """Part of the largest drift [-] by which a drift at rest may be off, whatever the accuracy asked."""
 
-NO_RESIDUAL_DRIFT = "no residual drift"
-"""The flag of a scene without drifts at rest; its detail is one of these reasons."""
-
-# reasons why a scene has no drifts at rest
+# reasons why a scene has no drifts at rest, which its flag gives
 NEVER_AT_REST = "nothing damps the vibration after the motion"
 NOT_AT_REST = f"not at rest {MAX_TAIL:g} s after the motion"
 COLLAPSES_LATER = "a storey collapses in free vibration after the motion"

@@ -29,7 +29,7 @@ from pounding_cli.solver.layout import Layout, build_layout, build_term_matrix
 from pounding_cli.solver.parts import join_responses
 from pounding_cli.solver.records import Data, Room
 from pounding_cli.solver.response import COLLAPSED, DONE, Flag, Response, no_peaks
-from pounding_cli.solver.rest import NO_RESIDUAL_DRIFT, find_rest
+from pounding_cli.solver.rest import find_rest
 from pounding_cli.solver.segments import Segments, build_segments, join_segments
 from pounding_cli.solver.stopping import call_kernel, find_flag
 
@@ -202,7 +202,7 @@ class SceneRun:
             energy = {name: float(values[number]) for name, values in energies.items()}
             response = self._build_response(number, end, peaks[number], energy)
             if rest.reasons[number]:
-                response = replace(response, flags=(*response.flags, Flag(NO_RESIDUAL_DRIFT, rest.reasons[number])))
+                response = replace(response, flags=(*response.flags, Flag("residual-drift", rest.reasons[number])))
             response = replace(response, rest_error=float(rest.error[number]))
             responses.append(replace(response, closing_to_rest=rest.max_closing[number]))
         return responses
@@ -249,9 +249,8 @@ class SceneRun:
             outcome.put_collapse(peaks, layout, building, storey, time)
             flags = (build_collapse_flag(layout.buildings[building].name, storey, time), *flags)
         if takes_step and run["trials"]:
-            kind = "time steps cut in half, because Newton found no root where a contact force jumps"
             detail = f"{run['trials']} of {run['steps']} steps"
-            flags += (Flag(kind, detail, float(run["trials"] / run["steps"])),)
+            flags += (Flag("halved-steps", detail, float(run["trials"] / run["steps"])),)
         final = _split_motion(dofs["u0"], dofs["w"][:, 0], layout.floors)
         final_turns = _split_motion(dofs["u0"], dofs["w"][:, 0], layout.turns)
         return Response(peaks, **facts, energy=energy, flags=flags, final=final, final_turns=final_turns)

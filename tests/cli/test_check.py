@@ -289,8 +289,8 @@ def test_gaps_that_never_close_are_simulated_once(folder, pound):
     assert pound("run", "two.yaml", "-o", "a.h5")[0] == 0
     scene = open_results("a.h5").scene()
     gap = scene[scene.case == "gap"]
-    assert gap[gap["cases.gap.gap"] > 0].dropped.str.contains("the gap never closes, ").all()
-    assert not gap[gap["cases.gap.gap"] == 0].dropped.str.contains("never closes").any()
+    assert gap[gap["cases.gap.gap"] > 0].dropped_reasons.str.contains("the gap never closes, ").all()
+    assert not gap[gap["cases.gap.gap"] == 0].dropped_reasons.str.contains("never closes").any()
     assert (gap.seconds == 0).sum() >= 4
     (folder / "one.yaml").write_text(WIDE + "sweep: {cases.gap.gap: [60 cm]}\n")
     pound("run", "one.yaml", "-o", "one.h5")

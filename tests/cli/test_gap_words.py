@@ -517,8 +517,10 @@ def test_what_stays_open_is_the_least_of_all_floors(tmp_path):
     results = pounding_cli.run(tmp_path / "s.yaml", tmp_path / "run.h5", engine="serial")
     closings = results.link()["max_closing"]
     assert closings.max() > 1.5 * closings.min()
-    (dropped,) = results.scene()["dropped"]
-    assert f"A | B: the gap never closes, {200 - 1000 * closings.max():.3g} mm of it stay open" in dropped
+    (scene,) = results.scene().to_dict("records")
+    assert scene["dropped_links"].split("\n")[-1] == "A | B"
+    said = f"the gap never closes, {200 - 1000 * closings.max():.3g} mm of it stay open"
+    assert scene["dropped_reasons"].split("\n")[-1] == said
 
 
 # The figure

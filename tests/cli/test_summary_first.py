@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from pounding_cli import open_results
-from tests.adapter import Connector, Scope, parse_limit, response, sketch
+from tests.adapter import Scope, parse_limit, response, sketch
 
 STUDY = """\
 title: Slabs against columns
@@ -117,12 +117,13 @@ def test_a_joint_beside_a_contact_hides_no_contact(pound):
 def test_columns_that_no_slab_struck_are_neither_shown_nor_flagged(pound):
     out = pound("run", "two.yaml", "-o", "r.h5")[1]
     assert cells_of(first_table(out), "wide", "inelastic")[0][6].strip() == "–"
-    said = "columns overloaded by a blow; the worst, strong: high storey 2, 34 times their share of the yield shear"
+    said = "columns overloaded; the worst, strong: high storey 2, 34 times their share of the yield shear"
     assert said in " ".join(out.split())  # not the first scene, weak: 1.2 times
     flagged = open_results("r.h5").flagged()
     assert flagged.groupby("record")["severity"].first().to_dict() == {"strong": 34.0, "weak": 1.2}
     assert set(flagged["case"]) == {"touching"}
-    assert set(flagged["flag"]) == {"columns overloaded by a blow"}
+    assert set(flagged["code"]) == {"columns"}
+    assert flagged["detail"].str.endswith(", by a blow").all()
     assert not flagged["meaningless"].any()
 
 
@@ -166,7 +167,7 @@ def test_heights_that_the_study_leaves_to_their_default_are_said(pound, folder):
 
 def test_a_number_without_meaning_is_marked_where_it_is_the_largest(pound):
     def void(scene, **more):
-        flags = (f"{Connector.beyond_gap}: low | high, floor 1, by 3 mm",) if scene.links else ()
+        flags = (response.Flag("struck", "connector of low | high, floor 1, by 3 mm"),) if scene.links else ()
         return replace(solve(scene, **more), flags=flags)
 
     table = first_table(pound("run", "two.yaml", solve=void)[1])

@@ -78,8 +78,8 @@ def test_results_tell_inclination_loaded_columns_and_no_gap_of_unaligned_joints(
     row = struck.loc[("tied", 3)]
     assert (row["kind"], row["by"], row["by_floor"], row["at"], row["impacts"]) == ("connector", "B", 2, 0.5, 0)
     assert row["shear_demand"] > 1.0
-    flags = results.flagged().set_index("case")["flag"]
-    assert flags["tied"] == "columns overloaded by a link"
+    flags = results.flagged().set_index("case")["code"]
+    assert flags["tied"] == "columns"
     _, table, _ = pound("show", "r.h5", "link")
     assert "inclination [deg]" in table
 

@@ -166,5 +166,6 @@ def test_a_ratio_to_nothing_is_refused(tmp_path: Path) -> None:
     records = {"use": [{"file": "../motions/spikes.txt"}], "duration": 0.05}
     results = pound.run(written(tmp_path, "one-storey", records=records), tmp_path / "zero.h5", engine="serial")
     assert (results.storey()["V0"] == 0).all()
-    assert results.scene()["flags"].str.contains("V0 = 0: ratio refused").all()
+    assert results.scene()["flags"].str.contains("zero-baseline").all()
+    assert results.scene()["flag_details"].str.contains("V0 = 0").all()
     assert np.isfinite(results.scene()["energy_residual"]).all()

@@ -11,7 +11,6 @@ import numpy as np
 
 import pounding_cli as pound
 from pounding_cli.model.effects import RESIDUAL_DRIFTS
-from pounding_cli.solver.rest import NO_RESIDUAL_DRIFT
 from tests.adapter import FLOORS, LINKS, Run, UnstableError, scenes, solve
 from tests.hard.twisted import twist_scene
 
@@ -78,7 +77,7 @@ def fault_of(run: Run, accuracy: float) -> str:
 def may_lack_rest(run: Run) -> bool:
     """Return whether a run may lack residual drifts: they are not asked for, or a flag says why there are none."""
     is_asked = RESIDUAL_DRIFTS in run.effects
-    return not is_asked or any(str(flag).startswith(NO_RESIDUAL_DRIFT) for flag in run.flags)
+    return not is_asked or any(flag.startswith("no residual drift") for flag in run.flags)
 
 
 def faults_in(path: Path, tally: Tally) -> list[str]:

@@ -150,8 +150,8 @@ def test_one_part_collapses() -> None:
     assert run.time == alone.time
     assert (run.place, alone.place) == ((2, alone.place[1]), (0, alone.place[1]))
     assert np.array_equal(run.drift, np.concatenate((beside.drift, alone.drift)))
-    (flag,) = (flag for flag in run.flags if flag.startswith("collapsed"))
-    assert flag.startswith("collapsed: b2 storey")
+    (flag,) = (flag for flag in run.flags if flag.startswith("a storey collapsed"))
+    assert flag.startswith("a storey collapsed: b2 storey")
 
 
 def test_a_part_that_fails_leaves_the_scene_without_numbers() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import math
 import pickle
 import subprocess
@@ -20,8 +21,9 @@ from pounding_cli.batch.attempt import GroupSolver, Task
 from pounding_cli.batch.cache import Cache
 from pounding_cli.batch.pool import open_pool
 from pounding_cli.batch.progress import Progress
-from pounding_cli.model.effects import DroppedEffect, effects_of, summarize_effects
+from pounding_cli.model.effects import effects_of, summarize_effects
 from pounding_cli.model.links import Link, link_places
+from pounding_cli.results.responses import TEXTS, decode_dropped, encode_response
 from pounding_cli.solver import solve as solver
 from pounding_cli.solver.layout import build_layout
 from pounding_cli.study import make_plan, study_of
@@ -216,7 +218,9 @@ def test_links_that_never_act_are_named_by_their_neighbours_and_are_no_effect():
     links = [Link(left, 2, 2, pound.Pounding(gap, 1e9, 0.0)) for left, gap in ((0, 0.0), (1, 0.5))]
     (response,) = solve_group(Task(1e-6, "taylor"), [pound.scene(row, STRONG, links=links)])
     assert [each.links for each in response.dropped if each.links] == [" | ".join(names)]
-    assert [DroppedEffect.parse(str(each)) for each in response.dropped] == list(response.dropped)
+    texts = dict(zip(TEXTS, json.loads(encode_response(response)[0])[0], strict=True))
+    kept = decode_dropped(*(texts[name] for name in ("dropped", "dropped_links", "dropped_reasons")))
+    assert tuple(kept) == response.dropped
     rows = summarize_effects(Counter(response.effects), Counter(response.dropped))
     told = {name: reason for name, *_, reason in rows}
     assert [name for name in told if "links" in name] == ["pounding links"]

@@ -209,7 +209,9 @@ def _iter_notes(results: ResultTables, exact: pd.DataFrame) -> Iterator[str]:
     failed_rows = select_failed(scene)
     if failed := failed_rows["status"].value_counts().to_dict():
         outcomes = ", ".join(f"{count} {status}" for status, count in failed.items())
-        is_divided = failed_rows[failed_rows["status"] == COLLAPSED]["dropped"].str.contains(COUPLING)
+        is_divided = failed_rows[failed_rows["status"] == COLLAPSED]["dropped"].map(
+            lambda names: COUPLING in names.splitlines()
+        )
         kept = ", but for pairs that nothing links to the collapse" if is_divided.any() else ""
         yield f"{sum(failed.values())} of {pluralize(len(scene), 'run')} failed ({outcomes}) and are left out{kept}."
     yield from _iter_street_notes(results, exact)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
+from pounding_cli.notes import NOTES
 from pounding_cli.numbers import Unit
 from pounding_cli.questions.chosen_points import build_key_frame, study_at_points
 from pounding_cli.questions.expression_words import depends_on_contact, find_struck_buildings
@@ -37,7 +38,7 @@ from pounding_cli.questions.optimise.tables import (
 from pounding_cli.questions.question import Answer, StudyQuestion
 from pounding_cli.results.arrays import ResultArrays
 from pounding_cli.results.dataset import build_arrays
-from pounding_cli.results.flags import is_void, split_flag
+from pounding_cli.results.flags import is_void
 from pounding_cli.solver.response import OUTCOMES
 from pounding_cli.study import Plan, Study, make_plan
 from pounding_cli.study.expressions.comparison import Comparison, parse_comparison
@@ -406,10 +407,10 @@ def _build_design_frame(
         if name != "shear_demand":
             rows[-1]["on_contact"] = int(depends_on_contact(parse_expression(text, scope).quantities, struck))
     flags = values["flags"]
-    kinds = dict.fromkeys(split_flag(line)[0] for cell in flags[:, numbers].flat for line in cell.splitlines())
-    for kind in kinds:
-        is_flagged = np.array([[_has_flag(cells, kind) for cells in by_point] for by_point in flags])
-        add(f"{FLAGGED}{kind}", is_flagged.sum(axis=(0, 2)), of=count)
+    codes = dict.fromkeys(code for cell in flags[:, numbers].flat for code in cell.splitlines())
+    for code in codes:
+        is_flagged = np.array([[_has_flag(cells, code) for cells in by_point] for by_point in flags])
+        add(f"{FLAGGED}{NOTES[code].title}", is_flagged.sum(axis=(0, 2)), of=count)
     return pd.DataFrame(rows)[[column.name for column in DESIGN_COLUMNS]]
 
 
@@ -440,12 +441,12 @@ def _find_demands(question: Optimise, plan: Plan, values: Values) -> dict[str, t
     return demands
 
 
-def _has_flag(cells: np.ndarray, kind: str) -> list[bool]:
-    """Return of every time history whether it carries a flag of a kind.
+def _has_flag(cells: np.ndarray, code: str) -> list[bool]:
+    """Return of every time history whether it carries a flag of a code.
 
-    cells : the flags of time histories, one a line
+    cells : the codes of time histories, one a line
     """
-    return [any(split_flag(line)[0] == kind for line in cell.splitlines()) for cell in cells]
+    return [code in cell.splitlines() for cell in cells]
 
 
 def _build_point_table(search: Search, question: Optimise, sought: pd.DataFrame, unit: Unit) -> Table:

@@ -354,8 +354,7 @@ def _describe_meaningless(evidence: Evidence) -> list[str]:
         if group.meaningless:
             under = "its motion" if group.of == 1 else f"{group.count} of {group.of} motions"
             sentences.append(
-                f"{MARK} Case {group.case}, {group.analysis}: the numbers mean nothing under {under}, as the "
-                f"{group.flag}."
+                f"{MARK} Case {group.case}, {group.analysis}: the numbers mean nothing under {under}, as {group.flag}."
             )
     return sentences
 
