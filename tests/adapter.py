@@ -28,6 +28,7 @@ from pounding_cli.model.links import Link as Link
 from pounding_cli.model.plan import FloorPlan as FloorPlan
 from pounding_cli.model.plan import FrameLine as FrameLine
 from pounding_cli.model.wall import Wall
+from pounding_cli.notes import NOTES as NOTES
 from pounding_cli.paper import points
 from pounding_cli.questions.reports import build_report
 from pounding_cli.records.hazard import HazardColumns as HazardColumns

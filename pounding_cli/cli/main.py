@@ -32,6 +32,7 @@ COMMANDS = {
     "screen": ("screen", TITLES["screen"]),
     "export": ("results", "Write tables as CSV, Parquet, Excel or netCDF."),
     "compare": ("results", "Show what changed between two results files."),
+    "explain": ("notes", "Explain a warning or a note by its code."),
     "cite": ("study", "List the references of what a study used."),
     "schema": ("study", "Print the JSON Schema of study files, for editors."),
     "records": ("records", "List, show and import ground motions."),

@@ -14,6 +14,7 @@ from pounding_cli.study.text.file import Problems
 
 if TYPE_CHECKING:
     from pounding_cli.batch.solve import Solver
+    from pounding_cli.errors import Issue
     from pounding_cli.report.document import Picture
     from pounding_cli.results.arrays import ResultArrays
     from pounding_cli.results.results import ResultTables
@@ -74,7 +75,7 @@ class Question:
     tables : name of every table of its answer -> its columns; some are built from the study besides
     sentences : results -> what they say, the answer first
     shown_tables : results -> the tables that a terminal prints below the sentences
-    notes : results -> what a reader should know of the numbers
+    notes : results -> what a reader should know of the numbers; an issue has a code, by which a study may silence it
     figures : results -> figures, the most important first
     further_sections : results, further arguments of the report -> sections of the page behind the answer
     scope : results -> what was computed, in a line, where the time histories of the file are not all of it
@@ -88,7 +89,7 @@ class Question:
     tables: Mapping[str, Sequence[Column]] = field(default_factory=dict)
     sentences: Callable[[ResultTables], Sequence[str]] = _no_lines
     shown_tables: Callable[[ResultTables], Sequence[Table]] = _no_lines
-    notes: Callable[[ResultTables], Sequence[str]] = _no_lines
+    notes: Callable[[ResultTables], Sequence[Issue | str]] = _no_lines
     figures: Callable[[ResultTables], Sequence[Picture]] = _no_lines
     further_sections: Callable[..., Sequence[Any]] = _no_lines
     scope: Callable[[ResultTables], str] | None = None

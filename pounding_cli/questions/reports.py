@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from pounding_cli.errors import InputError, Issue
 from pounding_cli.questions import load_question
-from pounding_cli.report.background import build_background, describe_scope
+from pounding_cli.report.background import build_background, describe_scope, tell_notes
 from pounding_cli.report.document import Report, Section
 from pounding_cli.report.evidence import find_nominal
 from pounding_cli.results.plausible import implausible_results
@@ -40,7 +41,10 @@ def build_report(results: ResultTables, choice: SweepChoice | None = None) -> Re
     evidence = find_nominal(results.first_sample() if question.is_sampled else results)
     sample_keys = results.swept[-1] if question.is_sampled else ()
     of_file = "" if question.scope is None else "In the time histories of the file: "
-    notes = [*question.notes(results), *(f"{of_file}{note}" for note in implausible_results(results, sample_keys))]
+    implausible = (
+        replace(each, message=f"{of_file}{each.message}") for each in implausible_results(results, sample_keys)
+    )
+    notes = tell_notes([*question.notes(results), *implausible], results.accepted)
     answer = Section("", question.sentences(results), question.shown_tables(results), notes=notes)
 
     def more() -> list[Section]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
+from pounding_cli.errors import Issue
 from pounding_cli.laws import link_laws
 from pounding_cli.laws.apart import Apart
 from pounding_cli.model.effects import NOTHING_ECCENTRIC, TWIST_OF_FLOORS, DroppedEffect, summarize_effects
@@ -92,19 +93,28 @@ def table_of_results(results: ResultTables, name: str, frame: pd.DataFrame) -> T
     return Table(name, frame, columns, _TITLES.get(name, name.capitalize()))
 
 
-def list_advice(results: ResultTables) -> list[str]:
+def tell_notes(notes: Iterable[Issue | str], accepted: Collection[str]) -> list[str]:
+    """Return notes in words; of those with a code that the study accepts only that they are left out."""
+    told = [str(each) for each in notes if isinstance(each, str) or each.code not in accepted]
+    if accepted:
+        told.append(f"Left out, as the study accepts them (`accept:`): {', '.join(sorted(accepted))}.")
+    return told
+
+
+def list_advice(results: ResultTables) -> list[Issue]:
     """Return what a reader should know of the study: heights that it does not write, dashpots of infills and
     connectors, an impact stiffness of one value."""
-    sentences = []
+    notes = []
     if results.assumed_heights:
-        sentences.append(f"Heights of {', '.join(results.assumed_heights)}: 3 m, as the study writes no height.")
-    sentences += describe_dashpots(results)
+        message = f"Heights of {', '.join(results.assumed_heights)}: 3 m, as the study writes no height."
+        notes.append(Issue((), message, code="heights"))
+    notes += [Issue((), sentence, code="dashpots") for sentence in _describe_dashpots(results)]
     if STIFFNESS_KEY not in results.axes and len(results.struck_links()):
-        sentences.append(ADVICE)
-    return sentences
+        notes.append(Issue((), ADVICE, code="stiffness"))
+    return notes
 
 
-def describe_dashpots(results: ResultTables) -> list[str]:
+def _describe_dashpots(results: ResultTables) -> list[str]:
     """Return the damping ratios of infills and connectors, case by case, where no axis of the sweep changes them."""
     if any(key.split(".")[-1] in ("damping_ratio", "restitution") for key in results.axes):
         return []
@@ -124,10 +134,15 @@ def describe_dashpots(results: ResultTables) -> list[str]:
 
 def _build_limits(results: ResultTables) -> list[Section]:
     warned = [
-        f"{each.message}." + (f" Line {each.line} of the study: {each.hint}." if each.line else "")
+        replace(
+            each,
+            message=f"{each.message}." + (f" Line {each.line} of the study: {each.hint}." if each.line else ""),
+            hint="",
+            file="",
+        )
         for each in results.warnings
     ]
-    sentences = [*warned, *list_advice(results)]
+    sentences = tell_notes([*warned, *list_advice(results)], results.accepted)
     return [Section("What limits these numbers", sentences)] if sentences else []
 
 
@@ -221,8 +236,8 @@ def _build_simulated(results: ResultTables, evidence: Evidence) -> Section:
         ]
         tables.insert(0, table_of_texts("Rows that failed", ("row", "status", "advice"), rows))
     flags = flag_groups_of(scene, results.units)
-    notes = [f"{'Not meaningful: ' if group.meaningless else ''}{group}." for group in flags]
-    return Section("What was simulated", said, tables, notes=notes or ["No row raised a flag."])
+    notes = [each.to_issue() for each in flags if each.code not in results.accepted]
+    return Section("What was simulated", said, tables, notes=[*map(str, notes)] or ["No row raised a flag."])
 
 
 def format_row_place(row: Mapping[Any, Any], units: Mapping[str, Unit]) -> str:

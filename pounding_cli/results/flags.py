@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from pounding_cli.errors import Issue
 from pounding_cli.notes import NOTES
 from pounding_cli.numbers import Unit, pluralize
 from pounding_cli.results.responses import decode_flags
@@ -52,9 +53,13 @@ class FlagGroup:
         """What is flagged, in words."""
         return NOTES[self.code].title
 
+    def to_issue(self, mark: str = "") -> Issue:
+        """Return what is flagged as a note; mark : that tables put at numbers without meaning, "" of none."""
+        head = "Not meaningful" + (f" ({mark}): " if mark else ": ") if self.meaningless else ""
+        return Issue((), f"{head}{self}.", code=self.code)
+
     def __str__(self) -> str:
-        where = f"[{self.code}] {self.case}, {self.analysis}, {self.count} of {pluralize(self.of, 'row')}"
-        where += f" ({self.scenes})"
+        where = f"{self.case}, {self.analysis}, {self.count} of {pluralize(self.of, 'row')} ({self.scenes})"
         if not self.detail:
             return f"{where}: {self.flag}"
         if self.count > 1 and self.worst:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pounding_cli.errors import Issue
 from pounding_cli.model.scene import Analysis
 from pounding_cli.numbers import Unit, count_histories
 from pounding_cli.units import GRAVITY
@@ -44,13 +45,20 @@ class Place:
     text: str
 
 
-def implausible_results(results: ResultTables, hidden: Sequence[str] = ()) -> list[str]:
-    """Return a sentence for every kind of result that is hardly plausible: the largest, where it stands, and why.
+def implausible_results(results: ResultTables, hidden: Sequence[str] = ()) -> list[Issue]:
+    """Return a note for every kind of result that is hardly plausible: the largest, where it stands, and why.
 
     hidden : swept keys whose values are left out, of samples
     """
-    describe_all = (_describe_ductility, _describe_drift, _describe_acceleration, _describe_penetration)
-    return [sentence for describe in describe_all for sentence in describe(results, hidden)]
+    checks = {
+        "ductility": _describe_ductility,
+        "drift": _describe_drift,
+        "acceleration": _describe_acceleration,
+        "penetration": _describe_penetration,
+    }
+    return [
+        Issue((), sentence, code=code) for code, describe in checks.items() for sentence in describe(results, hidden)
+    ]
 
 
 def _describe_ductility(results: ResultTables, hidden: Sequence[str]) -> Iterator[str]:

@@ -133,6 +133,11 @@ class ResultTables:
         """The study with every default filled in, SI."""
         return escape_controls_in_tree(json.loads(self.resolved_text))
 
+    @property
+    def accepted(self) -> frozenset[str]:
+        """The codes of the notes that the study silences."""
+        return frozenset(self.study_data.get("accept") or ())
+
     @cached_property
     def walls(self) -> tuple[str, ...]:
         """The walls of the group, by place."""

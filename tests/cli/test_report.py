@@ -298,7 +298,7 @@ def test_what_limits_the_numbers_stands_on_the_page(folder, pound):
     assert "gap is 2 m" in page
     assert "Line 9 of the study" in page
     assert "100 x stiffest storey" in page
-    assert re.search(r"close, elastic, 6 of 6 rows.*connector closes more than the gap", page)
+    assert re.search(r"close, elastic, 6 of 6 rows.*a joint closes more than the gap", page)
 
 
 def test_a_gap_that_never_closes_is_no_effect_of_the_page(folder, pound):

@@ -12,6 +12,7 @@ from pages import hook as hook_named
 
 import pounding_cli
 from pounding_cli.cli.main import cli
+from pounding_cli.notes import NOTES
 
 
 @pytest.fixture(scope="module")
@@ -27,6 +28,11 @@ def test_every_command_and_option_is_told(hook):
             part = page.split(f" {f'pound {name} {inner}'.strip()}\n\n```text\n")[1].split("```")[0]
             options = [each.opts[0] for each in sub.params if isinstance(each, click.Option)]
             assert all(option in part for option in options)
+
+
+def test_every_note_has_an_entry(hook):
+    entries = dict(re.findall(r"^### (\S+)\n\n\*[^*]+\*\n\n(.+)$", hook.notes_page(), re.MULTILINE))
+    assert entries == {code: note.explanation for code, note in NOTES.items()}
 
 
 def test_the_api_exists_and_is_documented(hook):

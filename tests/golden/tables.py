@@ -54,6 +54,7 @@ PROSE = [
     "dropped_links",
     "dropped_reasons",
     "advice",
+    "flag",
     "flags",
     "flag_details",
     "flag_severity",

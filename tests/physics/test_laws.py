@@ -151,6 +151,6 @@ def test_floors_that_pass_through_each_other_are_flagged():
     )
     (flag,) = soft.flags
     assert flag.startswith("floors pass through each other by more than a tenth of a storey height")
-    assert flag.endswith(f"of b0 | b1, floor 1, by {1000 * soft.max_closing[0]:.3g} mm")
+    assert flag.endswith(f"b0 | b1, floor 1, by {1000 * soft.max_closing[0]:.3g} mm")
     assert soft.max_closing[0] > 0.3
     assert stiff.flags == ()

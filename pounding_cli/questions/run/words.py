@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pounding_cli.errors import Issue
 from pounding_cli.laws.apart import Apart
 from pounding_cli.model.scene import Analysis
 from pounding_cli.numbers import Unit, join_limited, pluralize
@@ -25,7 +26,7 @@ from pounding_cli.questions.run.twist import (
     list_twist_tables,
 )
 from pounding_cli.questions.statements import STATEMENTS, view_verdicts
-from pounding_cli.report.background import ADVICE, describe_accuracy, list_advice
+from pounding_cli.report.background import describe_accuracy, list_advice
 from pounding_cli.report.evidence import MARK, Evidence, describe_motions, find_nominal, list_acting_keys
 from pounding_cli.results.columns import CONTACT_STIFFNESS_UNKNOWN
 from pounding_cli.results.flags import failed_scenes, flag_groups_of, is_void
@@ -143,22 +144,26 @@ def list_tables(results: ResultTables) -> list[Table]:
     return [*tables, build_means_table(evidence), *list_twist_tables(evidence)]
 
 
-def list_notes(results: ResultTables) -> list[str]:
+def list_notes(results: ResultTables) -> list[Issue | str]:
     """Return how far the numbers go, and what a reader should know of them."""
     evidence = find_nominal(results)
     scene = results.scene()
     accuracy = f"{describe_accuracy(scene, results.units)} {describe_motions(evidence.records)}"
-    notes = [accuracy, *_explain_table(results)]
+    notes: list[Issue | str] = [accuracy, *_explain_table(results)]
     if median := note_median_buildings(results):
         notes.append(median)
     if len(evidence.cases) > len(evidence.plotted_cases):
         notes.append(f"Figures show {len(evidence.plotted_cases)} of the {len(evidence.cases)} cases.")
-    for group in flag_groups_of(scene, results.units):
-        notes.append(f"{f'Not meaningful ({MARK})' if group.meaningless else 'Note'}: {group}.")
-    further = list_advice(results)  # warnings are printed before a run
+    notes += [group.to_issue(MARK) for group in flag_groups_of(scene, results.units)]
+    advice = list_advice(results)  # warnings are printed before a run
     if len(results.struck_links()):
-        notes.append(f"{CONTACT_MARK} {ADVICE if ADVICE in further else CONTACT_STIFFNESS_UNKNOWN}")
-    return [*notes, *(each for each in further if each != ADVICE)]
+        for each in advice:
+            if each.code == "stiffness" and each.code not in results.accepted:
+                notes.append(replace(each, message=f"{CONTACT_MARK} {each.message}"))
+                break
+        else:
+            notes.append(f"{CONTACT_MARK} {CONTACT_STIFFNESS_UNKNOWN}")
+    return [*notes, *(each for each in advice if each.code != "stiffness")]
 
 
 # How buildings respond

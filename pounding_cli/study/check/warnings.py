@@ -40,7 +40,7 @@ MAX_OPTIONS = 50
 
 
 def find_warnings(study: Study) -> tuple[Issue, ...]:
-    """Return what is allowed in a study but should be known, in the order of its lines.
+    """Return what is allowed in a study but should be known and it does not accept, in the order of its lines.
 
     Looked at are the first point of the sweep, the points where one axis moves away from it, the ends of uncertain and
     searched keys, and the points where every axis is at an end. A key is warned of once, at its worst value.
@@ -64,7 +64,8 @@ def find_warnings(study: Study) -> tuple[Issue, ...]:
     doubts.extend(together, only_new=True)
     found = [place_issue(tree, study.file, issue) for tree, issues in iter_checks_of_study(study) for issue in issues]
     found += doubts.iter_merged()
-    return tuple(sorted(dict.fromkeys(found), key=lambda issue: (issue.file, issue.line, issue.column)))
+    told = dict.fromkeys(each for each in found if each.code not in study.spec.accept)
+    return tuple(sorted(told, key=lambda issue: (issue.file, issue.line, issue.column)))
 
 
 class _Visited:

@@ -133,6 +133,9 @@ _OTHER_FORMS: dict[Any, str] = {"(one)": ", or a list: [first, second, ...]", "(
 MAX_DESCRIBED = 100
 """Errors of one section that are described one by one."""
 
+MAX_WORDS = 12
+"""Words of which a key takes one that are named, all of them; of more the nearest comes first."""
+
 _MESSAGES: dict[str, Described] = {
     "literal_error": ("{owner}{value} is not known", "write {expected}", False),
     "tuple_type": ("{owner}{value} is not a list", "write [first, second, ...]", False),
@@ -185,6 +188,8 @@ def describe_error(item: dict[str, Any], path: KeyPath, model: type[BaseModel], 
         if kind == "string_pattern_mismatch":
             hint += _explain_dots(str(value), str(context["pattern"]))
             at_key = name != "name"  # keys that are names themselves
+        if kind == "literal_error" and len(words := re.findall(r"'([^']*)'", context["expected"])) > MAX_WORDS:
+            hint = nearest(value, words)
         if kind == "too_long":  # pydantic does not always count
             fields["actual_length"] = len(value or ())
         other_form = _OTHER_FORMS.get(path[-1], "") if at_key is False else ""

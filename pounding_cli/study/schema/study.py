@@ -12,6 +12,7 @@ from pydantic_core import core_schema
 from pounding_cli.errors import Issue
 from pounding_cli.laws import link_laws
 from pounding_cli.methods import ACCURACY, METHODS, TIME_STEP
+from pounding_cli.notes import NOTES
 from pounding_cli.study.schema.base import (
     LabelText,
     Model,
@@ -28,6 +29,7 @@ from pounding_cli.study.schema.quantity import TIME, Quantity
 from pounding_cli.study.schema.records import RecordsSpec
 
 AnalysisName = Literal["elastic", "inelastic"]
+_NoteCode: Any = Literal[tuple(NOTES)]
 _Kind = TypeVar("_Kind")
 _Buildings = Annotated[dict[Name, _Kind], Field(min_length=1, max_length=1000)]
 _Cases = Annotated[dict[Name, _Kind], Field(min_length=1, max_length=20_000)]
@@ -188,6 +190,12 @@ class StudySpec(Model):
         "what should hold of the results, each tested by `pound run`: a list, or a study file that has them",
         [{"says": "the infill lowers the response", "holds": "mean V_ratio in infill < mean V_ratio in touching"}],
     )
+    accept: Annotated[tuple[_NoteCode, ...], Field(max_length=100)] = spec_field(
+        (),
+        "codes of warnings and notes that are known and not told any more; the page says which they are. "
+        "`pound explain CODE` tells what one means",
+        ["stiffness"],
+    )
     report: ReportSpec = spec_field(ReportSpec(), "first figure of the report")
     keep: _Keep | None = spec_field(None, "histories to keep; `histories`: of all scenes")
     sweep: Annotated[Any, WithJsonSchema(_SWEEP_FORM)] = spec_field(
@@ -213,6 +221,10 @@ class StudySpec(Model):
         if not takes_step and self.time_step is not None:
             message = f"'time_step' does not apply to method: {method}"
             yield Issue(("time_step",), message, "remove it; `accuracy:` controls the cost", at_key=True)
+        for place, code in enumerate(self.accept or ()):  # None where it is faulty
+            if not NOTES[code].can_be_accepted:
+                message = f"'{code}' cannot be accepted: it takes the meaning from the numbers that it marks"
+                yield Issue(("accept", place), message, f"remove it; `pound explain {code}` tells what to do about it")
         for place, analysis in enumerate(self.analyses):
             if analysis in self.analyses[:place]:
                 yield Issue(("analyses", place), f"'{analysis}' occurs twice", "remove one")
