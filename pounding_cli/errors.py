@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from typing import Any
 
 from pounding_cli.notes import NOTES, Severity
@@ -66,16 +66,28 @@ class Issue:
 
 
 class InputError(ValueError):
-    """The input was refused (exit code 2); `problems` lists everything wrong, all in one go."""
+    """The input was refused (exit code 2); `issues` lists everything wrong, all in one go.
 
-    def __init__(self, problems: Issue | str | Sequence[Issue]) -> None:
-        if isinstance(problems, str):
-            problems = Issue((), problems)
-        if isinstance(problems, Issue):
-            problems = [problems]
-        self.problems: tuple[Issue, ...] = tuple(problems)
-        super().__init__("\n".join(str(p) for p in self.problems))
+    What reads a part of a study raises it with paths from there; `below` puts that part in its place, and the edge
+    finds the lines. `InputError(message, hint)` is that of one issue of the whole part.
+    """
+
+    def __init__(self, issues: Issue | str | Iterable[Issue], hint: str = "") -> None:
+        if isinstance(issues, str):
+            issues = Issue((), issues, hint)
+        if isinstance(issues, Issue):
+            issues = [issues]
+        self.issues: tuple[Issue, ...] = tuple(issues)
+        super().__init__("\n".join(map(str, self.issues)))
+
+    def about(self, text: str) -> InputError:
+        """Return the same issues, each with the text in front that it is a part of."""
+        return InputError(replace(each, message=f"'{text}': {each.message}") for each in self.issues)
+
+    def below(self, *path: str | int) -> InputError:
+        """Return the same issues of a part that stands at `path`; those inside another file keep their place."""
+        return InputError(each if each.is_placed else replace(each, path=(*path, *each.path)) for each in self.issues)
 
     def __reduce__(self) -> tuple[type[InputError], tuple[tuple[Issue, ...]]]:
         """Whole, as it comes from a worker."""
-        return type(self), (self.problems,)
+        return type(self), (self.issues,)

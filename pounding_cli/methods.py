@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import isfinite
 
-from pounding_cli.errors import InputError, Issue
+from pounding_cli.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -73,12 +73,10 @@ class Method:
         value = time_step if self.takes_step else accuracy
         if self.takes_step != (time_step is not None):
             message = f"method {self.name} takes {'a time step' if self.takes_step else 'an accuracy and no time step'}"
-            raise InputError(
-                Issue((), message, f"give it e.g. `{setting.key}: {setting.example}` and no other setting")
-            )
+            raise InputError(message, f"give it e.g. `{setting.key}: {setting.example}` and no other setting")
         if value is None or not (isfinite(value) and value > 0):
             hint = f"write e.g. `{setting.key}: {setting.example}`"
-            raise InputError(Issue((), f"{setting.title} is {value:g}; it must be above zero", hint))
+            raise InputError(f"{setting.title} is {value:g}; it must be above zero", hint)
         return value
 
 
@@ -97,5 +95,5 @@ METHODS: dict[str, Method] = {method.name: method for method in _LIST}
 def get_method(name: str) -> Method:
     """The method of that name.  Raises `InputError` where there is none."""
     if name not in METHODS:
-        raise InputError(Issue((), f"there is no method {name}", f"write one of {', '.join(METHODS)}"))
+        raise InputError(f"there is no method {name}", f"write one of {', '.join(METHODS)}")
     return METHODS[name]

@@ -227,7 +227,7 @@ def refused(study: str | Mapping[str, Any]) -> list[tuple[int, int, str]]:
                 path.write_text(study, encoding="utf-8")
                 CliRunner().invoke(cli, ["check", str(path)], standalone_mode=False, catch_exceptions=False)
         except pound.InputError as error:
-            return [(each.line, each.column, str(each)) for each in error.problems]
+            return [(each.line, each.column, str(each)) for each in error.issues]
     return []
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from pounding_cli.errors import InputError, Issue
+from pounding_cli.errors import InputError
 from pounding_cli.results.results import ResultTables
 
 if TYPE_CHECKING:
@@ -38,9 +38,7 @@ class Results(ResultTables):
         evidence = find_nominal(self)
         name = building or evidence.main_building
         if name not in evidence.group:
-            raise InputError(
-                Issue((), f"no building '{name}' in these results", f"there are {', '.join(evidence.group)}")
-            )
+            raise InputError(f"no building '{name}' in these results", f"there are {', '.join(evidence.group)}")
         has_sweep = any(len(values) > 1 for values in self.axes.values())
         swept = list_sweep_pictures(self, evidence, SweepChoice(places={"building": name})) if has_sweep else []
         figure = swept[0].draw() if swept else response(evidence, name)

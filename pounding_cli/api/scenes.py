@@ -77,7 +77,7 @@ def motion(
     known = [field.name for field in fields(records.Declaration)]
     unknown = next((key for key in declared if key not in known), None)
     if unknown is not None:
-        raise InputError(Issue((), f"unknown key '{unknown}' of a motion file", f"write one of {', '.join(known)}"))
+        raise InputError(f"unknown key '{unknown}' of a motion file", f"write one of {', '.join(known)}")
     if isinstance(source, str | Path):
         step = None if dt is None else quantity(TIME, dt, "dt")
         record = _named_or_read(source, records.Declaration(dt=step, unit=unit, **declared))
@@ -89,7 +89,7 @@ def motion(
     if pga is None:
         return record.scale_by(quantity(_SCALE, scale, "scale")) if scale != 1.0 else record
     if scale != 1.0:
-        raise InputError(Issue((), "both 'scale' and 'pga' are given", "leave one of them out"))
+        raise InputError("both 'scale' and 'pga' are given", "leave one of them out")
     return record.scale_by(records.scale_factor(record, record.pga, quantity(ACCELERATION, pga, "pga")))
 
 
@@ -131,14 +131,14 @@ def scene(
     between = [link for link in links or () if isinstance(link, Link)]
     if links is not None and len(between) == len(links):
         if case:
-            raise InputError(Issue((), f"'links' leaves no place for {', '.join(case)}", "give one or the other"))
+            raise InputError(f"'links' leaves no place for {', '.join(case)}", "give one or the other")
     elif len(row) > 1:
         link_keys = {"link": link} if links is None else {"links": links}
         between = list(links_between(row, {**link_keys, **case}, impact or {}))
     try:
         return Scene(row, tuple(between), motion, Analysis(analysis), time)
     except ValueError as error:
-        raise InputError(Issue((), str(error))) from None
+        raise InputError(str(error)) from None
 
 
 def history(scene: Scene, every: float | str = "2 ms", accuracy: float = 1e-6) -> History:
@@ -164,15 +164,15 @@ def _from_array(values: Any, dt: float | str | None, unit: str | None) -> Motion
     factor = records.find_acceleration_unit(unit or "m/s2")
     if factor is None:
         raise InputError(
-            Issue((), f"unknown unit '{unit}' of acceleration", f"write one of {', '.join(records.ACCELERATION_UNITS)}")
+            f"unknown unit '{unit}' of acceleration", f"write one of {', '.join(records.ACCELERATION_UNITS)}"
         )
     if dt is None:
-        raise InputError(Issue((), "an array does not say its time step", "give it: dt=0.01, or dt='10 ms'"))
+        raise InputError("an array does not say its time step", "give it: dt=0.01, or dt='10 ms'")
     step = quantity(TIME, dt, "dt")
     try:
         return Motion("motion", step, factor * np.asarray(values, dtype=float))
     except (TypeError, ValueError) as error:
-        raise InputError(Issue((), str(error), "give accelerations in equal steps of time, shape (n,)")) from None
+        raise InputError(str(error), "give accelerations in equal steps of time, shape (n,)") from None
 
 
 def _named_or_read(source: str | Path, declared: records.Declaration) -> Motion:
@@ -182,7 +182,7 @@ def _named_or_read(source: str | Path, declared: records.Declaration) -> Motion:
         if given := declared.list_given():
             kind = "motion of a set" if is_of_set else "catalogue motion"
             message = f"'{word}' is a {kind}; its time step and unit are fixed"
-            raise InputError(Issue((), message, f"leave {' and '.join(map(repr, given))} out"))
+            raise InputError(message, f"leave {' and '.join(map(repr, given))} out")
         if is_of_set:
             return records.read_set_motion(records.get_set_motion(word))
         return records.load_motion(word)

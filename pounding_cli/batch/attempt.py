@@ -178,7 +178,7 @@ class GroupSolver:
     def _build_error_response(self, scene: Scene, error: Exception) -> Response:
         """Return the response of a scene whose solution raised an exception."""
         if isinstance(error, InputError):  # the method cannot run this scene
-            problem = error.problems[0]
+            problem = error.issues[0]
             return self.task.build_failed_response(scene, f"refused: {problem.message}", problem.hint)
         status = f"error: {type(error).__name__}: {error}"
         advice = "this is an internal error: please report it with the study file"

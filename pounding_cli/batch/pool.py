@@ -64,11 +64,9 @@ def open_pool(name: str, workers: int | None = None, scheduler: str | None = Non
     InputError : no such engine; Dask is not installed; the scheduler does not answer, or its workers are other programs
     """
     if name not in ENGINES:
-        raise InputError(Issue((), f"'{name}' is not an engine", f"write one of {', '.join(ENGINES)}"))
+        raise InputError(f"'{name}' is not an engine", f"write one of {', '.join(ENGINES)}")
     if scheduler is not None and name != "dask":
-        raise InputError(
-            Issue((), f"the engine '{name}' takes no scheduler", "add --engine dask, or leave the scheduler out")
-        )
+        raise InputError(f"the engine '{name}' takes no scheduler", "add --engine dask, or leave the scheduler out")
     if name == "dask":
         return _open_dask_pool(workers, scheduler)
     count = 1 if name == "serial" else workers or _count_cores()
@@ -150,7 +148,7 @@ def _connect_to_dask(workers: int | None, scheduler: str | None) -> Client:
         from distributed import Client
     except ImportError:
         hint = "install it: pip install 'pounding-cli[dask]'"
-        raise InputError(Issue((), "the engine 'dask' needs the package distributed", hint)) from None
+        raise InputError("the engine 'dask' needs the package distributed", hint) from None
     settings: dict[str, Any]
     if scheduler:
         settings = {"address": scheduler, "timeout": DASK_TIMEOUT}
@@ -162,7 +160,7 @@ def _connect_to_dask(workers: int | None, scheduler: str | None) -> Client:
     except (OSError, ValueError, RuntimeError) as error:
         reason = (str(error) or type(error).__name__).splitlines()[0]
         hint = "start one with `dask scheduler`, and give its address, e.g. tcp://node:8786"
-        raise InputError(Issue((), f"no Dask scheduler answers at {scheduler} ({reason})", hint)) from None
+        raise InputError(f"no Dask scheduler answers at {scheduler} ({reason})", hint) from None
 
 
 def _check_dask_workers(client: Client, scheduler: str) -> None:
@@ -177,7 +175,7 @@ def _check_dask_workers(client: Client, scheduler: str) -> None:
     others = sorted(versions - {solver_version()})
     if others:
         message = f"a worker at {scheduler} has another version of pounding_cli ({others[0]})"
-        raise InputError(Issue((), message, f"install {solver_version()} on every worker"))
+        raise InputError(message, f"install {solver_version()} on every worker")
 
 
 def _close_client(client: Client) -> None:
@@ -200,4 +198,4 @@ class _ClusterWatch:
                 self._last_time_with_workers = time.monotonic()
         if time.monotonic() - self._last_time_with_workers > DASK_TIMEOUT:
             hint = "start some; solved time histories are kept, and the same command resumes"
-            raise InputError(Issue((), f"the Dask cluster has had no workers for {DASK_TIMEOUT:g} s", hint))
+            raise InputError(f"the Dask cluster has had no workers for {DASK_TIMEOUT:g} s", hint)

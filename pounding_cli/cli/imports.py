@@ -230,10 +230,10 @@ def _build_plan(building: ImportedBuilding, options: dict[str, Any]) -> PlanSize
     if missing:
         verb = "is" if len(missing) == 1 else "are"
         message = f"a plan needs --width, --depth and --frequency-ratio; {' and '.join(missing)} {verb} missing"
-        raise InputError(Issue((), message, "no table has them: give them, or leave all three out"))
+        raise InputError(message, "no table has them: give them, or leave all three out")
     if building.eccentricity is None:
         message = "--width, --depth and --frequency-ratio have no effect: no table has the eccentricity"
-        raise InputError(Issue((), message, "export the table 'Centers Of Mass And Rigidity', or leave them out"))
+        raise InputError(message, "export the table 'Centers Of Mass And Rigidity', or leave them out")
     return PlanSize(options["width"], options["depth"], options["frequency_ratio"])
 
 

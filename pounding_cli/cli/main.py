@@ -138,7 +138,7 @@ def _run() -> int:
         sys.stdout.flush()
         return found if isinstance(found, int) else 0
     except InputError as refused:
-        for problem in refused.problems:
+        for problem in refused.issues:
             click.echo(f"error: {problem}", err=True)
         return REFUSED
     except click.ClickException as error:

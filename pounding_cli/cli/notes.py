@@ -7,7 +7,7 @@ import textwrap
 
 import click
 
-from pounding_cli.errors import InputError, Issue
+from pounding_cli.errors import InputError
 from pounding_cli.notes import NOTES, Severity
 from pounding_cli.report.summary import PARAGRAPH_WIDTH
 
@@ -36,7 +36,7 @@ def explain(code: str | None) -> None:
     if code not in NOTES:
         near = difflib.get_close_matches(code, NOTES, 1)
         hint = f"did you mean {near[0]}?" if near else "`pound explain` lists them"
-        raise InputError(Issue((), f"there is no note '{code}'", hint))
+        raise InputError(f"there is no note '{code}'", hint)
     note = NOTES[code]
     means = _KINDS[note.severity]
     if note.can_be_accepted:

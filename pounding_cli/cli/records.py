@@ -89,7 +89,7 @@ def _list_set(text: str) -> None:
         near = difflib.get_close_matches(text, motions.MOTION_SETS, n=1, cutoff=0.5)
         hint = f"did you mean '{near[0]}'? " if near else ""
         hint += f"the sets are {', '.join(motions.MOTION_SETS)}"
-        raise InputError(Issue((), f"no set '{text}' of recorded motions", hint))
+        raise InputError(f"no set '{text}' of recorded motions", hint)
     rows = []
     for each in motions.select_set_motions(text):
         motion = motions.read_set_motion(each)
@@ -126,7 +126,7 @@ def show(motion: str, window: float | None, output: Path | None, **options: Any)
     if given and (is_of_set or is_of_catalogue):
         origin = "a set" if is_of_set else "the catalogue"
         what = f"--{given[0]} says how a file is read, and {motion} is a motion of {origin}"
-        raise InputError(Issue((), what, "leave it out, or name a file"))
+        raise InputError(what, "leave it out, or name a file")
     if is_of_set:
         set_motion = motions.get_set_motion(motion)
         found = motions.read_set_motion(set_motion)
@@ -148,7 +148,7 @@ def show(motion: str, window: float | None, output: Path | None, **options: Any)
     if window is not None:
         found = found.cut_to(window)
         if found.pga == 0.0:
-            raise InputError(Issue((), f"the first {window:g} s are at rest", "give a longer window"))
+            raise InputError(f"the first {window:g} s are at rest", "give a longer window")
     if output is not None:
         from pounding_cli.report.motions import save_motion_figure
 

@@ -81,7 +81,7 @@ def _parse_conditions(where: Sequence[str], **short: Sequence[str]) -> list[tupl
     for text in where:
         key, _, value = (part.strip() for part in text.partition("="))
         if not (key and value):
-            raise InputError(Issue((), f"--where {text}: no value", "write e.g. --where 'cases.gap.gap=5 cm'"))
+            raise InputError(f"--where {text}: no value", "write e.g. --where 'cases.gap.gap=5 cm'")
         conditions.append((key, value))
     return conditions
 
@@ -99,7 +99,7 @@ def _find_key(given: str, known: Collection[str], place: str) -> str:
     if len(ends) == 1:
         return ends[0]
     hint = f"leave the option out, or write one of: {join_limited(ends or known)}"
-    raise InputError(Issue((), f"{place} has {'several columns' if ends else 'no column'} {given}", hint))
+    raise InputError(f"{place} has {'several columns' if ends else 'no column'} {given}", hint)
 
 
 def _find_values(values: Sequence[Any], text: str, unit: Unit, key: str) -> list[Any]:
@@ -126,7 +126,7 @@ def _find_values(values: Sequence[Any], text: str, unit: Unit, key: str) -> list
     equal = [value for value in values if is_equal(value)]
     if not equal:
         hint = f"write one of: {join_limited(map(unit.text, values))}"
-        raise InputError(Issue((), f"{key} does not take the value {text!r}", hint))
+        raise InputError(f"{key} does not take the value {text!r}", hint)
     return equal
 
 
@@ -155,7 +155,7 @@ def show(file: Path, table: str | None, form: str, wants_study: bool, **rows: An
     results = open_file(file)
     if wants_study:
         if table:
-            raise InputError(Issue((), f"{table} and --study contradict each other", "leave one of them out"))
+            raise InputError(f"{table} and --study contradict each other", "leave one of them out")
         click.echo(results.study_text, nl=False)
         return
     table = table or (results.answers[0] if results.answers else "summary")
@@ -304,7 +304,7 @@ def _refuse_contradictions(paper: bool, no_figures: bool, formats: Sequence[str]
     of_figures = ["--figures-for-paper"] * paper + [f"--format {name}" for name in formats] + list(choices)
     if no_figures and of_figures:
         message = f"{of_figures[0]} and --no-figures contradict each other"
-        raise InputError(Issue((), message, "leave one of them out"))
+        raise InputError(message, "leave one of them out")
 
 
 def _build_choice(
@@ -318,7 +318,7 @@ def _build_choice(
     for given, text in conditions:
         key = _find_key(given, [*_PLACES, *results.axes], "the sweep")
         if key in places or key in at:
-            raise InputError(Issue((), f"{key} is given twice", "write one value: a figure has one"))
+            raise InputError(f"{key} is given twice", "write one value: a figure has one")
         if key in results.axes:
             at[key] = _find_values(results.axes[key], text, results.units[key], key)[0]
         else:
@@ -364,7 +364,7 @@ def export(
         _export_demands(open_file(file), output, wanted)
         return
     if wanted:
-        raise InputError(Issue((), f"{'='.join(wanted[0])}: tables are exported whole", "leave it out, or --pelicun"))
+        raise InputError(f"{'='.join(wanted[0])}: tables are exported whole", "leave it out, or --pelicun")
     results = open_file(file)
     _check_tables(results, tables)
     for path in written(results, output, form, tables):

@@ -155,7 +155,7 @@ def _read_questions(study: Study, names: Sequence[str]) -> list[StudyQuestion]:
         try:
             questions.append(load_question(name).ask(study))
         except InputError as refused:
-            problems += refused.problems
+            problems += refused.issues
     if problems:
         raise InputError(sorted(problems, key=lambda problem: (problem.line, problem.column)))
     return questions
@@ -174,7 +174,7 @@ def _describe_standing(question: StudyQuestion, output: Path | None) -> list[str
     try:
         standing = find_standing(question, path)
     except InputError as refused:  # another run is using these results
-        return [f"{count_histories(len(question.plan))}; {refused.problems[0].message}"]
+        return [f"{count_histories(len(question.plan))}; {refused.issues[0].message}"]
     if standing.is_current:
         return [f"{count_histories(standing.total)}, all solved: {path} is current"]
     total = count_histories(standing.total)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pounding_cli.errors import InputError, Issue
+from pounding_cli.errors import InputError
 from pounding_cli.imports.headings import PERIOD_TABLES
 from pounding_cli.model.stiffness import frequencies
 
@@ -75,7 +75,7 @@ class ImportedBuilding:
         """
         if self.model_period is None or self.stiffness is None:
             message = "--match-period needs the period of the model, and no table has it"
-            raise InputError(Issue((), message, f"export the table '{PERIOD_TABLES[0]}', or give --period 1.2 s"))
+            raise InputError(message, f"export the table '{PERIOD_TABLES[0]}', or give --period 1.2 s")
         factor = (self.stick_period / self.model_period) ** 2
         self.stiffness = self.stiffness * factor
         self.notes.append(f"stiffnesses: scaled by {factor:.6g}, so that the first period is that of the model")

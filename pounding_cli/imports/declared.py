@@ -96,7 +96,7 @@ def parse_sources(written: Iterable[str], path: Path | None) -> dict[str, Column
     for text in written:
         quantity, sign, source = text.partition("=")
         if not sign:
-            raise InputError(Issue((), f"--column '{text}' is not a quantity and its column", SOURCE_HINT))
+            raise InputError(f"--column '{text}' is not a quantity and its column", SOURCE_HINT)
         sources |= {_find_quantity(quantity, Issue((), "", file="--column")): _parse_source(source, "--column")}
     return sources
 

@@ -117,7 +117,7 @@ def _refuse_missing_columns(tables: TableFile, needs_stiffness: bool) -> None:
         try:
             tables.tables[best].get_column(quantity, meaning)
         except InputError as error:
-            problems += error.problems
+            problems += error.issues
     if problems:
         raise InputError(problems)
 

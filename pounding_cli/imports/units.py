@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from functools import cache
 
-from pounding_cli.errors import InputError, Issue
+from pounding_cli.errors import InputError
 from pounding_cli.units import find_unit_factor, parse_unit
 
 NO_UNITS = {"", "-", "text", "unitless", "yes/no"}
@@ -68,7 +68,7 @@ def parse_system(text: str) -> dict[str, float]:
     factors = [find_factor(word, si) for word, si in zip(words, ("N", "m"), strict=False)]
     if len(words) < 2 or None in factors:
         hint = "write the units of force and length of the model, e.g. --units 'kN, m'"
-        raise InputError(Issue((), f"--units '{text}' is not a force and a length", hint))
+        raise InputError(f"--units '{text}' is not a force and a length", hint)
     force, length = (factor for factor in factors if factor is not None)
     return {"m": length, "N": force, "N/m": force / length, "kg": force / length, "s": 1.0}
 

@@ -17,6 +17,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from pounding_cli.errors import InputError, Issue
 from pounding_cli.laws.law import REFERENCE_CLOSING, Behaviour, LinkLaw
 from pounding_cli.laws.pounding import next_pounding_branch, reduced_mass
 from pounding_cli.units import Dimension
@@ -39,21 +40,6 @@ _ALLOWED = f"a formula is made of numbers, {', '.join(FORMULA_VARIABLES)}, param
 
 Constants = tuple[tuple[str, float, Dimension], ...]
 """Parameters of a formula: name, SI value, dimension."""
-
-
-class FormulaError(ValueError):
-    """An error in a formula.
-
-    message, hint : what is wrong, what to write instead
-    line, column : its place in the formula, both from 0
-    """
-
-    def __init__(self, message: str, hint: str, line: int = 0, column: int = 0) -> None:
-        super().__init__(message)
-        self.message = message
-        self.hint = hint
-        self.line = line
-        self.column = column
 
 
 _NUMBER, _PLUS, _TIMES, _POWER = range(4)
@@ -137,19 +123,18 @@ def parse_formula(text: str, constants: Constants, mass: float, gap: float, clos
 
     Raises
     ------
-    FormulaError : it is not a formula, or its unit is not N
+    InputError : it is not a formula, or its unit is not N
     """
     text = text.strip()
     if len(text) > MAX_FORMULA_LENGTH:
-        raise FormulaError(f"the formula has {len(text)} characters", f"write at most {MAX_FORMULA_LENGTH}")
+        raise InputError(f"the formula has {len(text)} characters", f"write at most {MAX_FORMULA_LENGTH}")
     try:
         tree = ast.parse(text, mode="eval").body
     except SyntaxError as error:
-        line = (error.lineno or 1) - 1
-        column = max((error.offset or 1) - 1, 0)
-        raise FormulaError(f"'{text}' is not a formula", _ALLOWED, line, column) from None
+        offset = max((error.offset or 1) - 1, 0) if error.lineno in (None, 1) else 0
+        raise InputError(Issue((), f"'{text}' is not a formula", _ALLOWED, offset=offset)) from None
     except (ValueError, RecursionError, MemoryError):
-        raise FormulaError("this is not a formula", _ALLOWED) from None
+        raise InputError("this is not a formula", _ALLOWED) from None
     quantities = {name: (value, dimension) for name, value, dimension in constants}
     quantities["m"] = (mass, FORMULA_VARIABLES["m"])
     quantities["d"] = (gap, FORMULA_VARIABLES["d"])
@@ -157,7 +142,7 @@ def parse_formula(text: str, constants: Constants, mass: float, gap: float, clos
     term = parser.parse_node(tree)
     if term.dimension != FORCE_DIMENSION:
         message = f"the formula gives {format_dimension(term.dimension)}, not N"
-        raise FormulaError(message, "correct it or a parameter's unit")
+        raise InputError(message, "correct it or a parameter's unit")
     return Formula(tuple(parser.rows), term.register, term.degree < 2)
 
 
@@ -192,9 +177,10 @@ class _FormulaParser:
         """Return the text of a node, in quotes."""
         return f"'{ast.get_source_segment(self.text, node)}'"
 
-    def error_at(self, node: ast.expr, message: str, hint: str = _ALLOWED) -> FormulaError:
+    def error_at(self, node: ast.expr, message: str, hint: str = _ALLOWED) -> InputError:
         """Return the error of a node; the message goes on behind its text."""
-        return FormulaError(f"{self.quote(node)} {message}", hint, node.lineno - 1, node.col_offset)
+        offset = node.col_offset if node.lineno == 1 else 0
+        return InputError(Issue((), f"{self.quote(node)} {message}", hint, offset=offset))
 
     def parse_node(self, node: ast.expr) -> Term:
         """Return the term of a node; any node not named here is refused."""
@@ -234,7 +220,7 @@ class _FormulaParser:
 
         Raises
         ------
-        FormulaError : its parts have different units
+        InputError : its parts have different units
         """
         left = self.parse_node(node.left)
         right = self.parse_node(node.right)
@@ -272,7 +258,7 @@ class _FormulaParser:
             self.rows.append(row)
         if len(self.rows) > MAX_OPERATIONS:
             message = f"the formula has more than {MAX_OPERATIONS} operations"
-            raise FormulaError(message, "write a shorter one")
+            raise InputError(message, "write a shorter one")
         return Term(2 + self.rows.index(row), dimension, degree)
 
     def multiply(self, node: ast.expr, one: Term, other: Term | float) -> Term:
@@ -332,7 +318,7 @@ class WrittenLaw(LinkLaw):
 
     Raises
     ------
-    FormulaError : what the formula says cannot be solved
+    InputError : what the formula says cannot be solved
     """
 
     closings: ClassVar[tuple[float, ...]] = _PRESSED
@@ -441,11 +427,11 @@ class WrittenJoint(WrittenLaw):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.tension_cut:
-            raise FormulaError("a law that acts always may pull", "leave `tension_cut` out")
+            raise InputError("a law that acts always may pull", "leave `tension_cut` out")
         force_at_rest = self.force(1.0).evaluate(0.0, 0.0)
         if force_at_rest != 0.0:
             message = f"the force at rest, v = r = 0, is {force_at_rest:g} N"
-            raise FormulaError(message, "let it be zero there")
+            raise InputError(message, "let it be zero there")
 
 
 WRITTEN_LAWS: Mapping[str, type[WrittenLaw]] = {

@@ -253,7 +253,7 @@ def solve_connector(study: ConnectorStudySpec) -> PointAnswer:
     arrays["both_above"] = build_variable("1", text, bands, "band", "edge")
     if not all(np.isfinite(number) for number in numbers.values()):
         hint = "give masses, stiffnesses and dashpots that differ by fewer powers of ten"
-        raise InputError(Issue((), "the response is not finite", hint))
+        raise InputError("the response is not finite", hint)
     return PointAnswer(numbers, arrays, [describe_bands(bands)])
 
 

@@ -186,7 +186,7 @@ def solve_point(sweep: Sweep, point: SweepPoint) -> SweepPoint:
         with np.errstate(all="ignore"):  # what is not finite in the end is refused
             answer = sweep.command.solve(point.study)
     except InputError as refused:
-        (problem, *_) = refused.problems
+        (problem, *_) = refused.issues
         status = f"refused: {problem.message}"
         advice = problem.hint
     except ArithmeticError:

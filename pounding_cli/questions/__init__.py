@@ -13,7 +13,7 @@ import importlib
 import json
 from typing import TYPE_CHECKING
 
-from pounding_cli.errors import InputError, Issue
+from pounding_cli.errors import InputError
 
 if TYPE_CHECKING:
     from pounding_cli.questions.question import Question
@@ -34,7 +34,7 @@ TITLES = {
 def load_question(name: str) -> Question:
     """Return a question by its name.  Raises InputError: there is none."""
     if name not in TITLES:
-        raise InputError(Issue((), f"there is no question {name}", f"write one of {', '.join(TITLES)}"))
+        raise InputError(f"there is no question {name}", f"write one of {', '.join(TITLES)}")
     question: Question = importlib.import_module(f"pounding_cli.questions.{name}").QUESTION
     return question
 

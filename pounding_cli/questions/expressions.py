@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
+from pounding_cli.errors import InputError
 from pounding_cli.questions.question import StudyQuestion
 from pounding_cli.records import load_catalogue
 from pounding_cli.solver.response import DONE
@@ -26,7 +27,6 @@ from pounding_cli.study.expressions.expression import (
     STOREY,
     TWISTING,
     Expression,
-    ExpressionError,
     Scope,
     TableQuantity,
     Value,
@@ -365,8 +365,8 @@ def parse_all(
     for number, text in enumerate(texts):
         try:
             one = parse(text, scope)
-        except ExpressionError as error:
-            question.add_problem((key, number), *error.args)
+        except InputError as error:
+            question.add_issues(error.below(key, number).issues)
             continue
         if one.text in parsed:
             question.add_problem((key, number), f"'{one}' occurs twice", "remove one of the two")

@@ -28,7 +28,7 @@ from numpy.typing import ArrayLike
 from pydantic_core import PydanticCustomError
 
 from pounding_cli import records
-from pounding_cli.errors import InputError, Issue
+from pounding_cli.errors import InputError
 from pounding_cli.questions.question import StudyQuestion
 from pounding_cli.questions.specs import HazardFile, Measure, PowerHazard
 from pounding_cli.records import Motion
@@ -240,8 +240,7 @@ def build_hazard(question: StudyQuestion, measure: Measure) -> Hazard | None:
             return Hazard.from_power_law(spec.k0 * one**spec.k, spec.k)
         return Hazard.from_points(*_parse_hazard_table(spec, quantity))
     except InputError as error:
-        for problem in error.problems:
-            question.add_problem(("hazard",), problem.message, problem.hint)
+        question.add_issues(error.below("hazard").issues)
         question.problems.check()
         raise
 
@@ -254,11 +253,11 @@ def _parse_hazard_table(rate_by_level: Mapping[str, float], quantity: Quantity) 
             points.append((float(quantity.read(level)), rate))
         except PydanticCustomError as error:
             context = error.context or {}
-            raise InputError(Issue((), f"{level}: {context['message']}", context["hint"])) from None
+            raise InputError(f"{level}: {context['message']}", context["hint"]) from None
     intensity, rates = np.array(sorted(points)).reshape(-1, 2).T
     if len(points) < 2 or (np.diff(intensity) <= 0).any() or (np.diff(rates) >= 0).any():
         hint = "give at least two intensities, each once, with rates that fall as they rise"
-        raise InputError(Issue((), "this is not a hazard curve", hint))
+        raise InputError("this is not a hazard curve", hint)
     return np.stack([intensity, rates])
 
 

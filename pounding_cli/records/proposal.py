@@ -134,7 +134,7 @@ def _read_with_any_step(text: TextFile, declared: Declaration) -> Samples:
 
 def _write_fault(refused: InputError) -> str:
     """Return a refusal with its line, in words."""
-    problem = refused.problems[0]
+    problem = refused.issues[0]
     return f"line {problem.line}: {problem.message}"
 
 

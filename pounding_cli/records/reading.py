@@ -143,7 +143,7 @@ def _read_samples(text: TextFile, declared: Declaration) -> tuple[str, Samples]:
         return PLAIN, read_plain(text, declared)
     except CurableError as refused:
         line = replace(declared, **refused.cure).write(str(text.path))
-        problem = refused.problems[0]
+        problem = refused.issues[0]
         raise InputError(replace(problem, hint=f"{problem.hint}\n    {line}")) from None
 
 

@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from pounding_cli.errors import InputError, Issue
+from pounding_cli.errors import InputError
 from pounding_cli.records.motion import SPECTRUM_DAMPING, Motion, arias, spectrum
 
 FIT_POINTS = 50
@@ -107,7 +107,7 @@ def scale_factor(motion: Motion, measured: float, wanted: float) -> float:
     """
     if measured <= 0:
         message = f"motion '{motion.name}' is at rest: every sample in its window is zero"
-        raise InputError(Issue((), message, "lengthen the window"))
+        raise InputError(message, "lengthen the window")
     return float(wanted / measured)
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from pounding_cli.errors import InputError, Issue
+from pounding_cli.errors import InputError
 from pounding_cli.numbers import Unit, format_number, pluralize
 from pounding_cli.report.document import Picture
 from pounding_cli.report.evidence import RESPONSES as PANELS
@@ -148,18 +148,18 @@ def _select_values(results: ResultTables, quantity: str, places: Mapping[str, An
     """
     known = (*(v.name for v in RESPONSE_VARIABLES if v.dims[-1] in PLACE_DIMS), *OF_SCENES)
     if quantity not in known:
-        raise InputError(Issue((), f"there is no quantity {quantity!r}", f"write one of: {', '.join(known)}"))
+        raise InputError(f"there is no quantity {quantity!r}", f"write one of: {', '.join(known)}")
     if quantity not in results.data:
-        raise InputError(Issue((), f"no case has a link with {quantity}", "choose another quantity"))
+        raise InputError(f"no case has a link with {quantity}", "choose another quantity")
     values = results.data[quantity].astype(float)
     for name, wanted in places.items():
         dim = "link" if name == "floor" and "link" in values.dims else name
         if dim not in values.dims:
-            raise InputError(Issue((), f"{quantity} has no {name}", "leave it out, or choose another quantity"))
+            raise InputError(f"{quantity} has no {name}", "leave it out, or choose another quantity")
         there = values[name if dim == name else "link_floor"].values.astype(str)
         if str(wanted) not in there:
             hint = f"write one of: {', '.join(dict.fromkeys(there))}"
-            raise InputError(Issue((), f"there is no {name} {str(wanted)!r} for {quantity}", hint))
+            raise InputError(f"there is no {name} {str(wanted)!r} for {quantity}", hint)
         values = values.isel({dim: there == str(wanted)})
     return values
 
@@ -206,9 +206,7 @@ def list_sweep_pictures(results: ResultTables, evidence: Evidence, choice: Sweep
     axes, index, cut = _cut_axes(results, evidence, choice)
     if is_chosen and not axes:
         message = "no swept key with two values is left to draw figures over"
-        raise InputError(
-            Issue((), message, "leave one of the swept keys out of --where, or all options of the figures")
-        )
+        raise InputError(message, "leave one of the swept keys out of --where, or all options of the figures")
     kind, draw = ("map", draw_maps) if len(axes) == 2 else ("sweep", draw_sweep_curves)
     pictures: list[Picture] = []
     drawn: set[str] = set()
@@ -228,9 +226,7 @@ def list_sweep_pictures(results: ResultTables, evidence: Evidence, choice: Sweep
     missing = [name for name in choice.quantities if name not in drawn] or ["V_ratio or mu_ratio"] * (not drawn)
     if missing and is_chosen:
         where = ", ".join(f"{name} {place}" for name, place in choice.places.items()) or "any case"
-        raise InputError(
-            Issue((), f"there is no number of {missing[0]} in {where}", "choose another place or quantity")
-        )
+        raise InputError(f"there is no number of {missing[0]} in {where}", "choose another place or quantity")
     return pictures
 
 
@@ -260,7 +256,7 @@ def _cut_axes(
         points = [dict(zip(axis.keys, point, strict=True)) for point in axis.points]
         numbers = [number for number, point in enumerate(points) if given.items() <= point.items()]
         if not numbers:
-            raise InputError(Issue((), f"{', '.join(given)} do not have these values together", "give one of them"))
+            raise InputError(f"{', '.join(given)} do not have these values together", "give one of them")
         index[axis.keys[0]] = numbers[0]
         cut |= points[numbers[0]]
     return axes, index, cut
@@ -271,12 +267,10 @@ def _check_places(choice: SweepChoice, evidence: Evidence) -> None:
     for name, place in choice.places.items():
         if place == WORST and name not in ("case", "building"):
             hint = f"write one {name}; `{WORST}` stands for a case or a building"
-            raise InputError(Issue((), f"there is no worst {name}", hint))
+            raise InputError(f"there is no worst {name}", hint)
     analysis = choice.places.get("analysis", evidence.analyses[0])
     if analysis not in evidence.analyses:
-        raise InputError(
-            Issue((), f"there is no analysis {analysis!r}", f"write one of: {', '.join(evidence.analyses)}")
-        )
+        raise InputError(f"there is no analysis {analysis!r}", f"write one of: {', '.join(evidence.analyses)}")
 
 
 def _iter_figures(evidence: Evidence, choice: SweepChoice) -> Iterator[tuple[str, str, list[tuple[str, str]]]]:

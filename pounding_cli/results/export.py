@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from pounding_cli.errors import InputError, Issue
+from pounding_cli.errors import InputError
 from pounding_cli.outputs import check_output
 from pounding_cli.results.file import has_seal, write_file
 from pounding_cli.results.results import ResultTables
@@ -49,24 +49,22 @@ def export(
     named = {suffix: name for name, suffix in FORMATS.items()}.get(output.suffix.lower()) if output else None
     if form is None and named is None and output and output.suffix and not output.is_dir():
         hint = f"end it in {', '.join(FORMATS.values())}, name a folder without a dot, or give --format"
-        raise InputError(Issue((), f"{output} is the name of no format", hint))
+        raise InputError(f"{output} is the name of no format", hint)
     form = form or named or "csv"
     if named not in (None, form):
-        raise InputError(
-            Issue((), f"{output} is not a name for {form}", f"end it in {FORMATS[form]}, or name a folder")
-        )
+        raise InputError(f"{output} is not a name for {form}", f"end it in {FORMATS[form]}, or name a folder")
     try:
         importlib.import_module(_NEEDS.get(form, "io"))
     except ImportError:
         what = f"{form} needs the package {_NEEDS[form]}, which is not installed"
-        raise InputError(Issue((), what, f"pip install {_NEEDS[form]}")) from None
+        raise InputError(what, f"pip install {_NEEDS[form]}") from None
     is_folder = form in ("csv", "parquet") and named is None
     stem = results.path.with_suffix("")
     chosen = tuple(dict.fromkeys(tables)) or results.tables
     path = output or Path(f"{stem}-{form}" if is_folder else f"{stem}{FORMATS[form]}")
     if form == "netcdf":
         if tables:
-            raise InputError(Issue((), "netCDF takes the whole file, no single tables", "leave the tables out"))
+            raise InputError("netCDF takes the whole file, no single tables", "leave the tables out")
         check_output(path, [results.path], lambda _, head: head.startswith((b"\x89HDF", b"CDF")) and not has_seal(path))
         return [write_file(path, results.arrays.to_bytes())]
     frames = {name: results.table(name) for name in chosen}
@@ -79,7 +77,7 @@ def export(
         return [write_file(path, _excel(frames | {"columns": columns, "study": study}))]
     if not is_folder and len(chosen) > 1:
         hint = f"name the table, e.g. `storey`, or a folder in place of {path.name}"
-        raise InputError(Issue((), f"{path} takes one table, not {len(chosen)}", hint))
+        raise InputError(f"{path} takes one table, not {len(chosen)}", hint)
     files = {path / f"{name}{FORMATS[form]}": name for name in chosen} if is_folder else {path: chosen[0]}
     if is_folder:
         files[path / "columns.csv"] = "columns"
@@ -122,7 +120,7 @@ def _excel(frames: Mapping[str, pd.DataFrame]) -> bytes:
     for name, frame in frames.items():
         if len(frame) > MOST_ROWS:
             hint = "export to Parquet or CSV, or name smaller tables"
-            raise InputError(Issue((), f"the table {name} has {len(frame)} rows, a sheet takes {MOST_ROWS}", hint))
+            raise InputError(f"the table {name} has {len(frame)} rows, a sheet takes {MOST_ROWS}", hint)
     sink = io.BytesIO()
     with pd.ExcelWriter(sink, engine="openpyxl") as book:
         for name, frame in frames.items():

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from pounding_cli.errors import InputError, Issue
+from pounding_cli.errors import InputError
 from pounding_cli.numbers import pluralize
 from pounding_cli.results.arrays import Array, ResultArrays
 from pounding_cli.results.responses import Row, solution_key
@@ -123,7 +123,7 @@ class History:
 
         known = [*(str(name) for name in self.dataset if not str(name).startswith("energy_")), "energy"]
         if quantity not in known:
-            raise InputError(Issue((), f"no quantity '{quantity}' in a history", f"write one of {', '.join(known)}"))
+            raise InputError(f"no quantity '{quantity}' in a history", f"write one of {', '.join(known)}")
         array = self.dataset["energy_input" if quantity == "energy" else quantity]
         if quantity == "energy":
             frame = pd.DataFrame(self.energy, array.get_index("time")).rename_axis(columns="kind")
@@ -181,7 +181,7 @@ class History:
         top = {of: number for of, number, *_ in places}  # the highest number comes last
         kept = [str(number) == str(level or top[of]) for of, number, *_ in places]
         if not any(kept):
-            raise InputError(Issue((), f"{quantity}: there is nothing at level {level}", "give an existing floor"))
+            raise InputError(f"{quantity}: there is nothing at level {level}", "give an existing floor")
         return frame.loc[:, kept]
 
     def largest(self) -> pd.DataFrame:

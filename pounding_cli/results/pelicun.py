@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from pounding_cli.errors import InputError, Issue
+from pounding_cli.errors import InputError
 from pounding_cli.model.effects import RESIDUAL_DRIFTS
 from pounding_cli.numbers import pluralize
 from pounding_cli.results.flags import point_label
@@ -50,7 +50,7 @@ def demands(results: ResultTables, rows: pd.DataFrame, direction: int = 1) -> tu
         there = list(dict.fromkeys(rows[name]))
         if len(there) != 1:
             hint = f"name one by --{name}: {', '.join(map(str, there))}" if there else "name others"
-            raise InputError(Issue((), f"Pelicun takes one {name}, not {len(there)}", hint))
+            raise InputError(f"Pelicun takes one {name}, not {len(there)}", hint)
     if rows["residual_drift"].isna().all():  # else they are asked for, or elastic storeys have none
         _refuse_without_residual_drifts(results)
     scene = [*results.axes, "record"]
@@ -87,7 +87,7 @@ def _refuse_without_residual_drifts(results: ResultTables) -> None:
     effects = results.scene()["effects"]
     if not effects.map(lambda cell: RESIDUAL_DRIFTS in cell.splitlines()).any():
         wrong = f"{results.path}: the residual drifts that Pelicun reads were not found, since the study asks for none"
-        raise InputError(Issue((), wrong, "add `residual_drift: true` to the study and run it again"))
+        raise InputError(wrong, "add `residual_drift: true` to the study and run it again")
 
 
 def describe_left_out(count: int, of: int) -> str:

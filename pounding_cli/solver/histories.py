@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from pounding_cli.errors import InputError, Issue
+from pounding_cli.errors import InputError
 from pounding_cli.model.links import link_label, link_places
 from pounding_cli.model.parts import divide_scene
 from pounding_cli.model.scene import Scene
@@ -78,9 +78,7 @@ def solve_history(scene: Scene, accuracy: float = 1e-6, every: float = EVERY) ->
     InputError : the output step is not above zero; the run did not end, and why
     """
     if not (np.isfinite(every) and every > 0):
-        raise InputError(
-            Issue((), f"the output step is {every:g} s; it must be above zero", "write e.g. `every: 2 ms`")
-        )
+        raise InputError(f"the output step is {every:g} s; it must be above zero", "write e.g. `every: 2 ms`")
     parts = divide_scene(scene)
     if parts:
         return join_histories(scene, parts, [solve_history(each.scene, accuracy, every) for each in parts])
@@ -88,7 +86,7 @@ def solve_history(scene: Scene, accuracy: float = 1e-6, every: float = EVERY) ->
     run.integrate()
     outcome, advice = ENDS[int(run.data.run["status"][0])]
     if outcome not in OUTCOMES:
-        raise InputError(Issue((), f"no history of this scene: {outcome}", advice))
+        raise InputError(f"no history of this scene: {outcome}", advice)
     return _build_history(run)
 
 

@@ -13,7 +13,7 @@ from typing import Any
 import numba
 import numpy as np
 
-from pounding_cli.errors import InputError, Issue
+from pounding_cli.errors import InputError
 from pounding_cli.laws.slider import Slider
 from pounding_cli.methods import Method, get_method
 from pounding_cli.model.effects import effects_of
@@ -290,7 +290,7 @@ def prepare_run(
         reason = explain_refusal(resolved_method, scene)
         if reason:
             hint = "write `method: taylor`, which runs every scene"
-            raise InputError(Issue((), f"method {resolved_method.name} cannot run this scene: {reason}", hint))
+            raise InputError(f"method {resolved_method.name} cannot run this scene: {reason}", hint)
     layout = build_layout(scenes[0])
     data = build_records(scenes, layout, accuracy, resolved_method, initial, times, bounds, least_steps)
     initial_energy = 0.0 if initial is None else _initial_energy(layout, data, scenes[0].links)

@@ -32,7 +32,6 @@ from pounding_cli.study.schema.quantity import Quantity
 from pounding_cli.study.schema.study import StudySpec
 from pounding_cli.study.study import Study
 from pounding_cli.study.text.file import Items, Map, Mark, Problems, canonical, dump_yaml
-from pounding_cli.study.text.issues import IssuesFound
 from pounding_cli.study.vary.changes import Change
 from pounding_cli.texts import to_file_name
 
@@ -140,10 +139,10 @@ def links_between(
 
 @contextmanager
 def _placed_in(tree: Map) -> Iterator[None]:
-    """Turn IssuesFound into InputError, each issue at its key."""
+    """Turn InputError into InputError, each issue at its key."""
     try:
         yield
-    except IssuesFound as refused:
+    except InputError as refused:
         problems = Problems("")
         for issue in refused.issues:
             problems.add_issue(tree, issue)

@@ -8,6 +8,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
+from pounding_cli.errors import InputError
 from pounding_cli.numbers import Unit
 from pounding_cli.study.construct.buildings import build_building, find_code_displacements, find_separation
 from pounding_cli.study.construct.complete_links import complete_links, find_losses
@@ -16,7 +17,6 @@ from pounding_cli.study.schema.links import LOSSES, key_parameters, link_keys, n
 from pounding_cli.study.schema.quantity import MeasuredValue, Quantity, StoreyMultiple, written_unit
 from pounding_cli.study.schema.study import StudySpec
 from pounding_cli.study.text.file import get
-from pounding_cli.study.text.issues import IssuesFound
 from pounding_cli.study.vary.axes import Axis
 from pounding_cli.study.vary.ranges import unit_of
 from pounding_cli.units import GRAVITY
@@ -91,7 +91,7 @@ def describe_study(spec: StudySpec, title: str, axes: Sequence[Axis]) -> dict[st
     for name, building_spec in spec.buildings.items():
         try:
             building = build_building(name, building_spec)
-        except IssuesFound:  # as written it cannot stand; the sweep gives it other values
+        except InputError:  # as written it cannot stand; the sweep gives it other values
             continue
         plain["buildings"][name]["derived"] = _describe_building(building)
         displacements[name] = find_code_displacements(building_spec, building)

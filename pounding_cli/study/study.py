@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from pounding_cli import records
-from pounding_cli.errors import Issue
+from pounding_cli.errors import InputError, Issue
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.numbers import Unit
@@ -28,7 +28,6 @@ from pounding_cli.study.display import describe_study, find_unit
 from pounding_cli.study.schema.records import SpectrumSpec
 from pounding_cli.study.schema.study import StudySpec, find_section_names
 from pounding_cli.study.text.file import Map, Problems
-from pounding_cli.study.text.issues import IssuesFound
 from pounding_cli.study.vary.axes import Axis, read_axes, with_middles
 from pounding_cli.study.vary.both_sides import with_both_sides
 from pounding_cli.study.vary.changes import Change
@@ -153,7 +152,7 @@ class Study:
         if self.axes_changing("records"):
             try:
                 return read_suite(self.spec.records, self.reader)
-            except IssuesFound:
+            except InputError:
                 pass
         return self.parts.suite.value_at(self.first_point)
 

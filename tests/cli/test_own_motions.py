@@ -79,7 +79,7 @@ def test_files_of_which_nothing_is_declared_get_one_refusal_with_the_line(motion
         motion(f"set/gm{number:02d}.txt")
     with pytest.raises(pounding_cli.InputError) as caught:
         pound(command, "[set/*.txt]")
-    (problem,) = caught.value.problems
+    (problem,) = caught.value.issues
     assert "(and so it is with 23 more files)" in problem.message
     line = "{file: set/*.txt, unit: g, time: 1, column: 2}"
     assert problem.hint.endswith(f"\n    {line}")

@@ -249,7 +249,7 @@ def test_what_is_doubtful_of_any_row_is_told(tmp_path):
     table = "\n".join([NAMED + "pga [g]", *rows]).replace(",", ";").replace(".", ",") + "\n"
     with pytest.raises(pounding_cli.InputError) as refused:
         read_street(write_street(tmp_path, table), SETTINGS)
-    assert [problem.line for problem in refused.value.problems] == [2, 3, 3, 4]
+    assert [problem.line for problem in refused.value.issues] == [2, 3, 3, 4]
     assert "street.csv:3:34: '2,5' is not a number\n    give `--decimal ','` if it is 2.5" in str(refused.value)
     settings = replace(SETTINGS, levels=("0.2 g", "0.3"), decimal=",")
     street = read_street(write_street(tmp_path, table), settings)

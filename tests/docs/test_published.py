@@ -194,7 +194,7 @@ def test_its_study_is_sound(name):
     try:
         pounding_cli.load_study(PUBLISHED.find_study(name))
     except InputError as error:
-        problems = [str(each) for each in error.problems]
+        problems = [str(each) for each in error.issues]
     missing = PUBLISHED.list_motions(PUBLISHED.find_study(name))
     assert len(problems) == len(missing), problems
     assert all(any(motion in each for motion in missing) for each in problems)

@@ -55,7 +55,7 @@ def problems_of(path: Path) -> list[str]:
     try:
         pounding_cli.load_study(path)
     except pounding_cli.InputError as error:
-        return [str(each) for each in error.problems]
+        return [str(each) for each in error.issues]
     return []
 
 

@@ -109,7 +109,7 @@ def faults_in(path: Path, tally: Tally) -> list[str]:
                     found.append(f"{where}: {fault}")
         except pound.InputError as refused:
             tally.refused += 1
-            if not all(problem.message for problem in refused.problems):
+            if not all(problem.message for problem in refused.issues):
                 found.append("refused without a word")
         except Exception as error:  # a traceback is what is looked for
             found.append(f"{type(error).__name__}: {error}")

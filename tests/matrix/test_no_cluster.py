@@ -22,7 +22,7 @@ def refused(tmp_path, monkeypatch):
         with pytest.raises(pound.InputError) as caught:
             work.answered("run", "dask", study, tmp_path / "r.h5", address, progress)
         assert not (tmp_path / "r.h5").exists()
-        (problem,) = caught.value.problems
+        (problem,) = caught.value.issues
         return problem
 
     return of

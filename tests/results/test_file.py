@@ -50,7 +50,7 @@ def changed(results, tmp_path):
 def refusal(path) -> str:
     with pytest.raises(pound.InputError) as caught:
         pound.open_results(path).storey()
-    (problem,) = caught.value.problems
+    (problem,) = caught.value.issues
     assert problem.hint
     return str(problem)
 

@@ -28,7 +28,7 @@ from pounding_cli.questions.statements import (
     view_verdicts,
 )
 from pounding_cli.study.expressions.comparison import parse_comparison
-from pounding_cli.study.expressions.expression import QUANTITIES, ExpressionError, Scope
+from pounding_cli.study.expressions.expression import QUANTITIES, Scope
 from pounding_cli.study.expressions.statements import Statement
 
 STUDY: dict[str, Any] = {
@@ -428,18 +428,18 @@ def test_a_time_may_be_that_of_a_floor(folder):
     ],
 )
 def test_a_comparison_that_is_refused(text, message, hint):
-    with pytest.raises(ExpressionError) as refused:
+    with pytest.raises(InputError) as refused:
         parse_comparison(text, SCOPE)
-    assert message in refused.value.args[0]
-    assert hint in refused.value.args[1]
+    assert message in refused.value.issues[0].message
+    assert hint in refused.value.issues[0].hint
 
 
 @pytest.mark.parametrize("name", QUANTITIES)
 def test_what_a_refusal_says_to_write_is_understood(name):
     """Fails if a unit of a table is none that people may write."""
-    with pytest.raises(ExpressionError) as refused:
+    with pytest.raises(InputError) as refused:
         parse_comparison(f"{name} > 1 Pa", SCOPE)
-    parse_comparison(refused.value.args[1].split("`")[1], SCOPE)
+    parse_comparison(refused.value.issues[0].hint.split("`")[1], SCOPE)
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ import pytest
 
 import pounding_cli as pound
 from pounding_cli.cli.results import _iter_changes
+from pounding_cli.errors import InputError
 from pounding_cli.questions.expressions import evaluate_error, evaluate_expression, find_twist_problem
 from pounding_cli.questions.run.ranking import rank_cases
 from pounding_cli.questions.run.words import list_notes, list_sentences, list_tables
@@ -23,7 +24,7 @@ from pounding_cli.results.pelicun import demands
 from pounding_cli.results.plausible import implausible_results
 from pounding_cli.results.results import ResultTables
 from pounding_cli.study.expressions.comparison import parse_comparison
-from pounding_cli.study.expressions.expression import ExpressionError, Scope, parse_expression
+from pounding_cli.study.expressions.expression import Scope, parse_expression
 from pounding_cli.study.expressions.limits import parse_limit
 
 STUDY = """\
@@ -301,10 +302,10 @@ def test_an_expression_is_the_number_of_the_tables(results, text, query, column)
     ],
 )
 def test_an_expression_that_is_refused(parse, text, message, hint):
-    with pytest.raises(ExpressionError) as refused:
+    with pytest.raises(InputError) as refused:
         parse(text, Scope(BUILDINGS))
-    assert message in refused.value.args[0]
-    assert hint in refused.value.args[1]
+    assert message in refused.value.issues[0].message
+    assert hint in refused.value.issues[0].hint
 
 
 @pytest.mark.parametrize(
@@ -322,9 +323,9 @@ def test_an_expression_that_is_refused(parse, text, message, hint):
 def test_a_place_behind_its_value_is_refused_with_the_line_that_works(text, written):
     scope = Scope(BUILDINGS)
     for parse in (parse_comparison, parse_limit) if ">" in text else (parse_comparison,):
-        with pytest.raises(ExpressionError, match="the place stands behind the value") as refused:
+        with pytest.raises(InputError, match="the place stands behind the value") as refused:
             parse(text, scope)
-        assert refused.value.args[1] == f"write `{written}`"
+        assert refused.value.issues[0].hint == f"write `{written}`"
         assert parse(written, scope).text == written
 
 
@@ -351,7 +352,7 @@ def test_a_drift_in_percent_is_that_over_the_storey_height(results, text, name):
 
 @pytest.mark.parametrize("text", ["drift0 > 2 %", "drift - drift0 > 2 %", "drift [1 s] > 2 %", "displacement > 2 %"])
 def test_other_lengths_are_not_compared_with_a_part_of_the_height(text):
-    with pytest.raises(ExpressionError, match="is no value: expected"):
+    with pytest.raises(InputError, match="is no value: expected"):
         parse_comparison(text, Scope(BUILDINGS))
 
 
@@ -415,13 +416,13 @@ def test_limits_of_floors_that_twist(text, expected):
     ],
 )
 def test_limits_that_are_refused(text, message):
-    with pytest.raises(ExpressionError, match=re.escape(message)):
+    with pytest.raises(InputError, match=re.escape(message)):
         parse_limit(text, Scope(BUILDINGS))
 
 
 @pytest.mark.parametrize("text", ["shear_demand in soft > 3", "impacts in storey 1 > 3"])
 def test_links_have_no_storeys_in_statements(text):
-    with pytest.raises(ExpressionError, match="belongs to links, not to a building"):
+    with pytest.raises(InputError, match="belongs to links, not to a building"):
         parse_comparison(text, Scope(BUILDINGS))
 
 

@@ -112,7 +112,7 @@ def told(case: tuple[str, dict[str, Any]]) -> str:
 def read_pasted(path: Path, refused: pound.InputError, filled: dict[str, str]) -> Any:
     """What the line of a refusal reads: a person pastes it, and fills in what it leaves open, as often as it comes."""
     for _ in range(MAX_PASTES):
-        (problem,) = refused.problems
+        (problem,) = refused.issues
         found = re.search(r"\{file: .*\}", problem.hint)
         assert found is not None, problem
         line = found[0]
@@ -143,7 +143,7 @@ def test_the_file_is_read_as_declared_or_refused_with_the_line(
     if "refused" in row:
         with pytest.raises(pound.InputError) as caught:
             read_file(path, declared)
-        (problem,) = caught.value.problems
+        (problem,) = caught.value.issues
         said = f"{problem.message} | {problem.hint}"
         assert [word for word in row["refused"] if word not in said] == [], said
         assert "damaged" not in said or row["head"].startswith("#")

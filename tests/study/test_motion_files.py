@@ -43,7 +43,7 @@ def test_rounded_times_are_refused_with_the_step(tmp_path, monkeypatch):
     rows = "".join(f"{place / 75:.2f},{value}\n" for place, value in enumerate(values))
     with pytest.raises(pound.InputError, match=r"rounded to 0.01 s") as caught:
         read(Path(), f"Time (s),Acc (g)\n{rows}", unit="g", time=1)
-    assert "{file: motion.txt, unit: g, dt: 0.01333333 s, column: 2}" in caught.value.problems[0].hint
+    assert "{file: motion.txt, unit: g, dt: 0.01333333 s, column: 2}" in caught.value.issues[0].hint
 
 
 def test_an_offset_is_warned_or_refused_and_the_mean_cures_it(tmp_path):
@@ -110,5 +110,5 @@ TWO_CSMIP = layouts.csmip_v2_channel(CM) + layouts.csmip_v2_channel(CM, 2, "180 
 def test_no_ground_motion(tmp_path, text, line, word):
     with pytest.raises(pound.InputError) as caught:
         read(tmp_path, text)
-    (problem,) = caught.value.problems
+    (problem,) = caught.value.issues
     assert (problem.line, word in f"{problem.message} {problem.hint}") == (line, True), problem

@@ -10,10 +10,10 @@ import pytest
 import yaml
 
 import pounding_cli as pound
-from pounding_cli.errors import Issue
+from pounding_cli.errors import InputError, Issue
 from pounding_cli.study.construct import resolve as resolving
 from pounding_cli.study.construct.swept import Swept, build_constant, build_object_array, sweep_map
-from pounding_cli.study.text.issues import Issues, IssuesFound
+from pounding_cli.study.text.issues import Issues
 
 STUDY = yaml.safe_load("""
 title: Two frames
@@ -36,7 +36,7 @@ def load(changes: str = "", **sections) -> pound.Study:
 def refusals(changes: str) -> list[str]:
     with pytest.raises(pound.InputError) as refused:
         load(changes)
-    return [problem.message for problem in refused.value.problems]
+    return [problem.message for problem in refused.value.issues]
 
 
 def swept(values, *axes: int) -> Swept:
@@ -76,14 +76,14 @@ def test_what_has_no_part_is_none_and_not_built():
 def test_issues_of_one_point_are_noted_there_and_raised_where_nobody_notes_them():
     def refuse(value):
         if value == 2:
-            raise IssuesFound([Issue(("gap",), "too wide")])
+            raise InputError([Issue(("gap",), "too wide")])
         return value
 
     issues = Issues()
     result = sweep_map(refuse, swept([1, 2], 3), issues=issues)
     assert result.value_at((0, 0, 0, 1)) is None
     assert {key: list(points) for key, points in issues.points.items()} == {(Issue(("gap",), "too wide"), (3,)): [(1,)]}
-    with pytest.raises(IssuesFound):
+    with pytest.raises(InputError):
         sweep_map(refuse, swept([1, 2], 3))
 
 
@@ -125,7 +125,7 @@ def test_an_issue_of_a_swept_value_is_told_at_it_without_a_point(tmp_path):
     path.write_text(yaml.safe_dump(data, sort_keys=False, default_flow_style=False), encoding="utf-8")
     with pytest.raises(pound.InputError) as refused:
         pound.load_study(path)
-    (problem,) = refused.value.problems
+    (problem,) = refused.value.issues
     assert path.read_text(encoding="utf-8").splitlines()[problem.line - 1].strip() == "- -2 cm"
     assert "where" not in problem.message
 

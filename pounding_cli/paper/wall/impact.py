@@ -16,7 +16,7 @@ from skfem import Basis, BilinearForm, FacetBasis, LinearForm, MeshQuad
 from skfem.element import ElementQuad0, ElementQuad1, ElementQuad2, ElementVector
 from skfem.models.elasticity import linear_elasticity
 
-from pounding_cli.errors import InputError, Issue
+from pounding_cli.errors import InputError
 from pounding_cli.paper.points import MESH, PointAnswer, build_variable
 from pounding_cli.paper.wall.study import SectionSpec, WallStudySpec
 
@@ -49,7 +49,7 @@ def solve_impact(study: WallStudySpec) -> PointAnswer:
     wished = find_time_step(system, study) if isinstance(study.time.step, str) else study.time.step
     if end / wished > MAX_WALL_STEPS:
         hint = f"give an earlier `time.end`, e.g. {MAX_WALL_STEPS / 10 * wished:.1g} s, or a heavier striker"
-        raise InputError(Issue((), f"an impact this short needs {end / wished:.0f} time steps", hint))
+        raise InputError(f"an impact this short needs {end / wished:.0f} time steps", hint)
     steps = max(10, math.ceil(end / wished - 1e-9))
     history = list[tuple[float, ...]]()
     largest = dict[str, Any]()
@@ -69,7 +69,7 @@ def solve_impact(study: WallStudySpec) -> PointAnswer:
     energy = run["striker_energy"] + run["kinetic_energy"] + run["strain_energy"]
     if not (np.isfinite(energy).all() and energy[0] > 0 and force.max() > 0):
         hint = "give speeds, masses and stiffnesses that differ by fewer powers of ten"
-        raise InputError(Issue((), "the response is not finite, or too small to compute with", hint))
+        raise InputError("the response is not finite, or too small to compute with", hint)
     off = float(np.abs(energy / energy[0] - 1).max())
     low, high = study.patch
     notes = []
@@ -162,7 +162,7 @@ def factorize(matrix: sp.csc_matrix) -> SuperLU:
         return splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
     except RuntimeError:
         hint = "give lengths, masses and stiffnesses that differ by fewer powers of ten"
-        raise InputError(Issue((), "the stiffness matrix is singular", hint)) from None
+        raise InputError("the stiffness matrix is singular", hint) from None
 
 
 def find_time_step(system: System, study: WallStudySpec) -> float:
@@ -268,9 +268,7 @@ def build_system(study: WallStudySpec) -> System:
     x = _build_grid_lines([0.0, study.wall.length], study, (0.0, 0.0))
     y = _build_grid_lines(breaks, study, (low, high))
     if x.size * y.size > MAX_ELEMENTS:
-        raise InputError(
-            Issue((), f"a mesh of more than {MAX_ELEMENTS} elements", "give a larger `mesh.size`, or `growth: 0.2`")
-        )
+        raise InputError(f"a mesh of more than {MAX_ELEMENTS} elements", "give a larger `mesh.size`, or `growth: 0.2`")
     mesh = MeshQuad.init_tensor(x, y)
     linear = study.mesh.element == "linear"
     basis = Basis(mesh, ElementVector(ElementQuad1() if linear else ElementQuad2()), intorder=2 if linear else 4)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from pounding_cli.errors import InputError, Issue
+from pounding_cli.errors import InputError
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -82,7 +82,7 @@ def list_subjects(study: Study, cases: Sequence[str], records: Sequence[str]) ->
     plan = make_plan(study)
     for kind, wanted, known in (("case", cases, plan.cases), ("record", records, plan.records)):
         for name in set(wanted) - set(known):
-            raise InputError(Issue((), f"the study has no {kind} {name}", f"write one of {', '.join(known)}"))
+            raise InputError(f"the study has no {kind} {name}", f"write one of {', '.join(known)}")
     subjects = []
     for number in range(math.prod(plan.shape[-3:])):
         row = plan.row(number)

@@ -7,13 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from pounding_cli.errors import InputError
 from pounding_cli.model.links import LinkPlace, link_places
 from pounding_cli.questions.expressions import find_scope, find_twist_problem
 from pounding_cli.questions.question import StudyQuestion
 from pounding_cli.study import Study
 from pounding_cli.study.construct.group import unique_names
 from pounding_cli.study.construct.swept import Point
-from pounding_cli.study.expressions.expression import SHEAR_DEMAND, ExpressionError, TableQuantity
+from pounding_cli.study.expressions.expression import SHEAR_DEMAND, TableQuantity
 from pounding_cli.study.expressions.limits import (
     COLLAPSE,
     CONTACT,
@@ -43,8 +44,8 @@ def find_targets(question: StudyQuestion, texts: Sequence[str]) -> list[Target]:
     for number, text in enumerate(texts):
         try:
             limit = parse_limit(text, scope)
-        except ExpressionError as error:
-            question.add_problem(("limits", number), *error.args)
+        except InputError as error:
+            question.add_issues(error.below("limits", number).issues)
             continue
         for target in _find_targets_of_limit(question, limit, number):
             if target in targets:

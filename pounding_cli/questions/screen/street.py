@@ -150,7 +150,7 @@ class Street:
                     checked_hazards.add(pair.hazard_key)
                     warnings |= _warn_high_begin(Gap(study), pair)
             except InputError as refused:
-                problems |= {str(problem): problem for problem in refused.problems}
+                problems |= {str(problem): problem for problem in refused.issues}
             else:
                 warnings |= {str(warning): warning for warning in study.warnings}
         if problems:

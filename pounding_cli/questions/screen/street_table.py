@@ -18,6 +18,7 @@ from typing import Any
 from pydantic_core import PydanticCustomError
 
 from pounding_cli.cells import BLANKS, Fault, Grammar, choose_table_separator, hint_options, load_text
+from pounding_cli.errors import InputError
 from pounding_cli.model.archetypes import DESIGNS, list_types
 from pounding_cli.questions.screen.designs import ZONES, find_design
 from pounding_cli.questions.screen.street import LEFT, MIN_PGA, RIGHT, Cell, NeighbourPair, Settings, Street, mark_map
@@ -25,7 +26,6 @@ from pounding_cli.records.declaration import SEPARATOR_NAMES
 from pounding_cli.study.construct.written import read_spec
 from pounding_cli.study.schema.quantity import ACCELERATION, GAP, LENGTH, Quantity
 from pounding_cli.study.text.file import Map, Mark, Problems, dump_yaml, nearest, parse_value
-from pounding_cli.study.text.issues import IssuesFound
 
 MAX_PAIRS = 10_000
 
@@ -344,7 +344,7 @@ class _RowReader:
         tree = Map({"buildings": Map({side: building}, mark, {side: (mark, mark)})}, mark, {"buildings": (mark, mark)})
         try:
             read_spec(tree, ("buildings", side))
-        except IssuesFound as refused:
+        except InputError as refused:
             for issue in refused.issues:
                 self.problems.add_issue(tree, issue)
         else:

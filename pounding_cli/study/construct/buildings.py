@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from pounding_cli.errors import Issue
+from pounding_cli.errors import InputError, Issue
 from pounding_cli.laws import storey_laws
 from pounding_cli.model.building import Building, Foundation, UnstableError, weight_above
 from pounding_cli.model.code_design import BaseShearDesign, Design, UbcDesign
@@ -17,7 +17,6 @@ from pounding_cli.model.wall import UNLIMITED_HEIGHT, Wall
 from pounding_cli.study.construct.floor_plans import build_plan, sum_stiffness, sum_yield_shear
 from pounding_cli.study.schema.building import BaseShearSpec, BuildingSpec, StiffnessAtSpec
 from pounding_cli.study.schema.links import key_parameters
-from pounding_cli.study.text.issues import IssuesFound
 
 
 def build_building(name: str, spec: BuildingSpec) -> Building:
@@ -25,18 +24,18 @@ def build_building(name: str, spec: BuildingSpec) -> Building:
 
     Raises
     ------
-    IssuesFound : it cannot stand
+    InputError : it cannot stand
     """
     try:
         with np.errstate(all="ignore"):  # what is not finite in the end is refused
             return _build_wall(name, spec.wall) if spec.wall is not None else _build_frame(name, spec)
-    except IssuesFound as refused:
+    except InputError as refused:
         raise refused.below("buildings", name, "plan") from None
     except (ValueError, ArithmeticError) as error:
         path = ("buildings", name, "p_delta") if isinstance(error, UnstableError) else ("buildings", name)
         parts = "period, stiffness" if spec.plan is None else "period, stiffness, plan"
         hint = f"check its masses, heights, {parts} and P-Delta"
-        raise IssuesFound([Issue(path, str(error), hint)]) from None
+        raise InputError([Issue(path, str(error), hint)]) from None
 
 
 def _build_frame(name: str, spec: Any) -> Building:

@@ -19,7 +19,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from pounding_cli.errors import Issue, KeyPath
+from pounding_cli.errors import InputError, Issue, KeyPath
 from pounding_cli.laws import KELVIN_VOIGT, link_laws
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.laws.pounding import DashpotLaw, damping_ratio, restitution_from_damping
@@ -45,7 +45,7 @@ from pounding_cli.study.schema.links import (
     to_enum,
 )
 from pounding_cli.study.schema.quantity import LINK_STIFFNESS, StoreyMultiple
-from pounding_cli.study.text.issues import Issues, IssuesFound
+from pounding_cli.study.text.issues import Issues
 
 DEFAULT_RESTITUTION = 0.5
 """Coefficient of restitution where neither a link nor `impact` gives one or a damping ratio [-]."""
@@ -134,7 +134,7 @@ def check_links(name: str, case: Any, links: tuple[CompleteLink, ...], names: Na
 
     Raises
     ------
-    IssuesFound : a key is missing, does not apply to the law of its link, or to no link of the case
+    InputError : a key is missing, does not apply to the law of its link, or to no link of the case
     """
     known = [link for link in links if link.law in (*link_laws(), *names.laws, NO_LINK)]
     issues: list[Issue] = []
@@ -144,7 +144,7 @@ def check_links(name: str, case: Any, links: tuple[CompleteLink, ...], names: Na
     if isinstance(case, SeveralLinksSpec) and len(known) == len(links):
         issues += _find_idle_shared_keys(name, case, links)
     if issues:
-        raise IssuesFound(issues)
+        raise InputError(issues)
     return links
 
 
@@ -241,7 +241,7 @@ def build_laws(
 
     Raises
     ------
-    IssuesFound : the parameters of a law do not go together, of a link that joins something
+    InputError : the parameters of a law do not go together, of a link that joins something
     """
     issues = Issues()
     built = []
@@ -252,7 +252,7 @@ def build_laws(
         found: Sequence[Issue] = ()
         try:
             law = _build_law(link, impact, laws, dict(multiples))
-        except IssuesFound as refused:
+        except InputError as refused:
             found = refused.issues
         except ValueError as error:
             found = [Issue(link.path, str(error).removeprefix("link: "), "correct it")]
@@ -270,7 +270,7 @@ def _build_law(
 
     Raises
     ------
-    IssuesFound, ValueError : its parameters do not go together, or one is outside its range
+    InputError, ValueError : its parameters do not go together, or one is outside its range
     """
     if link.law == NO_LINK:
         return None
@@ -292,7 +292,7 @@ def _build_law(
     numbers = {name: value for name, value in parameters.items() if isinstance(value, float)}
     if conflict := law.find_conflict(**numbers):
         key, message, hint = conflict
-        raise IssuesFound([Issue(link.paths.get(key, (*link.path, key)), message, hint)])
+        raise InputError([Issue(link.paths.get(key, (*link.path, key)), message, hint)])
     built: LinkLaw = law(**parameters)
     return built
 

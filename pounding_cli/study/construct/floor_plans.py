@@ -8,11 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from pounding_cli.errors import Issue
+from pounding_cli.errors import InputError, Issue
 from pounding_cli.model.plan import FloorPlan, FrameLine, find_square_radii
 from pounding_cli.model.stiffness import frequencies
 from pounding_cli.study.schema.floor_plan import PlanSpec
-from pounding_cli.study.text.issues import IssuesFound
 
 EVENLY_SPREAD = 1.0 / math.sqrt(12.0)
 """Distance of two equal lines from their centre, over the width, at which they resist the twist as frames do that stand
@@ -44,7 +43,7 @@ def build_plan(plan: PlanSpec, mass: np.ndarray, stiffness: np.ndarray, yield_sh
 
     Raises
     ------
-    IssuesFound : nothing resists the twist, or a short form asks for what no lines give
+    InputError : nothing resists the twist, or a short form asks for what no lines give
     """
     centre = plan.centre
     inertia = _find_inertia(plan, mass)
@@ -78,7 +77,7 @@ def build_plan(plan: PlanSpec, mass: np.ndarray, stiffness: np.ndarray, yield_sh
 
 
 def _check_resistance(built: FloorPlan, plan: PlanSpec) -> None:
-    """Refuse a plan whose floors can turn about their centre of stiffness.  Raises IssuesFound."""
+    """Refuse a plan whose floors can turn about their centre of stiffness.  Raises InputError."""
     matrices = built.storey_matrices()
     about_centre = matrices[:, 1, 1] - built.eccentricity**2 * built.stiffness
     of_spread = (EVENLY_SPREAD * plan.width) ** 2 * built.stiffness
@@ -89,7 +88,7 @@ def _check_resistance(built: FloorPlan, plan: PlanSpec) -> None:
         message += f"its {which} at one place along the street"
         hint = "write a second line at another `y`, lines `across:`, "
         hint += "or `torsional_stiffness:`, e.g. `5e9 N m`"
-        raise IssuesFound([Issue(("lines",), message, hint)])
+        raise InputError([Issue(("lines",), message, hint)])
 
 
 def _find_inertia(plan: PlanSpec, mass: np.ndarray) -> np.ndarray:
@@ -148,7 +147,7 @@ def _build_short_form(
 
     Raises
     ------
-    IssuesFound : the eccentricity is too large for the plan, or for the ratio of frequencies
+    InputError : the eccentricity is too large for the plan, or for the ratio of frequencies
     """
     assert plan.eccentricity is not None
     assert plan.frequency_ratio is not None
@@ -161,7 +160,7 @@ def _build_short_form(
         message = f"{written} puts the centre of stiffness {distance}, outside of its {plan.width:g} m"
         low, high = (100 * (side * 0.5 - centre / plan.width) for side in (-1.0, 1.0))
         bounds = f"above {max(low, -50.0):.4g} % and below {min(high, 50.0):.4g} %"
-        raise IssuesFound([Issue(("eccentricity",), message, f"write an eccentricity {bounds}")])
+        raise InputError([Issue(("eccentricity",), message, f"write an eccentricity {bounds}")])
     radii_at_one = _find_radii_at_ratio_one(mass, inertia, stiffness)
     whole_radii = plan.frequency_ratio * radii_at_one
     square_reach = float(whole_radii.min() ** 2) - eccentricity**2
@@ -172,7 +171,7 @@ def _build_short_form(
         message += "leaves nothing that resists the twist"
         hint = f"write a frequency_ratio above {_round_up(least):g}, "
         hint += f"or an eccentricity within {most:.3g} %"
-        raise IssuesFound([Issue(("frequency_ratio",), message, hint)])
+        raise InputError([Issue(("frequency_ratio",), message, hint)])
     reach = min(EVENLY_SPREAD * plan.width, to_edge, math.sqrt(square_reach))
     lines = tuple(
         FrameLine(name, eccentricity + side * reach, 0.5 * stiffness, 0.5 * yield_shear)

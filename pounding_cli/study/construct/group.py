@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 
-from pounding_cli.errors import Issue
+from pounding_cli.errors import InputError, Issue
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import BASE
 from pounding_cli.model.meetings import find_meetings
@@ -16,7 +16,6 @@ from pounding_cli.numbers import join_limited, pluralize
 from pounding_cli.study.construct.link_places import Meeting
 from pounding_cli.study.schema.quantity import StoreyMultiple
 from pounding_cli.study.text.file import nearest
-from pounding_cli.study.text.issues import IssuesFound
 
 MAX_IN_GROUP = 20
 
@@ -87,13 +86,13 @@ def unique_names(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def check_group_names(names: Sequence[str], defined: Sequence[str]) -> Sequence[str]:
-    """Return the names of a group.  Raises IssuesFound: too few or many, or one that is not defined."""
+    """Return the names of a group.  Raises InputError: too few or many, or one that is not defined."""
     labels = unique_names(names)
     if not 2 <= len(names) <= MAX_IN_GROUP:
         example = ", ".join((*defined, *defined)[:2])
         hint = f"name 2 to {MAX_IN_GROUP}, e.g. `group: [{example}]`; each alone is computed anyway"
         message = f"the group has {pluralize(len(names), 'building')}: pounding takes two"
-        raise IssuesFound([Issue(("group",), message, hint)])
+        raise InputError([Issue(("group",), message, hint)])
     issues = []
     for place, (name, label) in enumerate(zip(names, labels, strict=True)):
         if name not in defined:
@@ -102,7 +101,7 @@ def check_group_names(names: Sequence[str], defined: Sequence[str]) -> Sequence[
             message = f"two places of the group are called '{label}'"
             issues.append(Issue(("group", place), message, "give the building another name"))
     if issues:
-        raise IssuesFound(issues)
+        raise InputError(issues)
     return names
 
 
@@ -115,7 +114,7 @@ def check_meetings(group: Group, linked_pairs: Collection[int] = ()) -> Group:
 
     Raises
     ------
-    IssuesFound : two neighbours cannot strike each other, and no link joins them, or two walls stand side by side
+    InputError : two neighbours cannot strike each other, and no link joins them, or two walls stand side by side
     """
     issues = []
     for place, meeting in enumerate(group.meetings):
@@ -138,7 +137,7 @@ def check_meetings(group: Group, linked_pairs: Collection[int] = ()) -> Group:
         ):
             issues += _find_wall_issues(group, place, building)
     if issues:
-        raise IssuesFound(issues)
+        raise InputError(issues)
     return group
 
 

@@ -11,14 +11,13 @@ from typing import Any
 
 from pydantic_core import PydanticCustomError
 
-from pounding_cli.errors import Issue, KeyPath
+from pounding_cli.errors import InputError, Issue, KeyPath
 from pounding_cli.laws import contact_laws, link_laws
 from pounding_cli.numbers import pluralize
 from pounding_cli.study.construct.own_laws import OwnLaw
 from pounding_cli.study.schema.links import MAX_PAIR, NO_LINK
 from pounding_cli.study.schema.quantity import LINK_STIFFNESS, StoreyMultiple
 from pounding_cli.study.text.file import Items, Map, get, nearest
-from pounding_cli.study.text.issues import IssuesFound
 
 
 @dataclass(frozen=True)
@@ -84,7 +83,7 @@ def check_link_names(tree: Map, case: str, names: Names) -> bool:
 
     Raises
     ------
-    IssuesFound : a link of the case is of a law, a pair or a building that the study does not have
+    InputError : a link of the case is of a law, a pair or a building that the study does not have
     """
     issues: list[Issue] = []
     laws = (*link_laws(), *names.laws, NO_LINK)
@@ -99,28 +98,28 @@ def check_link_names(tree: Map, case: str, names: Names) -> bool:
             issues.append(Issue((*link.path, "pair"), message, hint))
         issues += _find_unknown_building(link.stiffness, (*link.path, "stiffness"), names)
     if issues:
-        raise IssuesFound(issues)
+        raise InputError(issues)
     return True
 
 
 def check_impact_names(tree: Map, names: Names) -> bool:
-    """Return True.  Raises IssuesFound: the impact element names a law or building that the study lacks."""
+    """Return True.  Raises InputError: the impact element names a law or building that the study lacks."""
     law = get(tree, "impact", "law")
     stiffness = _read_stiffness(get(tree, "impact", "stiffness"))
     issues = _find_unknown_building(stiffness, ("impact", "stiffness"), names)
     if isinstance(law, str) and law.strip() not in (*contact_laws(), *names.laws):
         issues.append(_refuse_contact(law.strip(), names.laws))
     if issues:
-        raise IssuesFound(issues)
+        raise InputError(issues)
     return True
 
 
 def check_contact_law(impact: Any, laws: Mapping[str, OwnLaw]) -> Any:
-    """Return the impact element unchanged.  Raises IssuesFound: it names a law of the study that is none of contact."""
+    """Return the impact element unchanged.  Raises InputError: it names a law of the study that is none of contact."""
     contact = [name for name, law in laws.items() if law.is_contact]
     if impact.law in (*contact_laws(), *contact):
         return impact
-    raise IssuesFound([_refuse_contact(impact.law, contact)])
+    raise InputError([_refuse_contact(impact.law, contact)])
 
 
 def _refuse_contact(word: str, laws: Iterable[str]) -> Issue:

@@ -7,7 +7,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
-from pounding_cli.errors import Issue, KeyPath
+from pounding_cli.errors import InputError, Issue, KeyPath
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import BASE, Link
 from pounding_cli.model.meetings import Strike, deflection_of_columns, find_end_level, find_meetings, reach_of_slabs
@@ -17,7 +17,7 @@ from pounding_cli.numbers import pluralize
 from pounding_cli.study.schema.floor_places import FloorPair, FloorPlace
 from pounding_cli.study.schema.links import NO_LINK, LinkSpec, list_links
 from pounding_cli.study.schema.street_places import StreetSide
-from pounding_cli.study.text.issues import Issues, IssuesFound
+from pounding_cli.study.text.issues import Issues
 
 # Where neighbours meet
 
@@ -161,7 +161,7 @@ def find_floors(name: str, case: Any, meetings: Sequence[Meeting]) -> Floors:
 
     Raises
     ------
-    IssuesFound : a link names a floor that does not meet one of the neighbour, or ends where it cannot
+    InputError : a link names a floor that does not meet one of the neighbour, or ends where it cannot
     """
     issues = Issues()
     links = list_links(name, case)
@@ -222,13 +222,13 @@ def _find_listed_ends(
                 ends = build_ends(link, floor, meeting, at)
                 if any(_are_alike(ends, other) for other in found):
                     hint = "remove it; a stiffer link has a larger `stiffness`"
-                    raise IssuesFound([Issue(at, "the link stands there already", hint)])
+                    raise InputError([Issue(at, "the link stands there already", hint)])
                 found[ends] = None
                 continue
             if floor not in right_floors:
                 message = f"{meeting.left.name} and {meeting.right.name} have no common floor {floor or BASE}"
-                raise IssuesFound([Issue(at, message, _hint_to_floors(floor, meeting))])
-        except IssuesFound as refused:
+                raise InputError([Issue(at, message, _hint_to_floors(floor, meeting))])
+        except InputError as refused:
             issues.add_written(replace(issue, hint=issue.hint + pair_hint) for issue in refused.issues)
             continue
         if is_list:
@@ -291,13 +291,13 @@ def _incline(link: LinkSpec, ends: LinkEnds, meeting: Meeting) -> LinkEnds:
 
 
 def build_ends(link: LinkSpec, pair: FloorPair, meeting: Meeting, path: KeyPath) -> LinkEnds:
-    """Return where both ends of a link stand.  Raises IssuesFound."""
+    """Return where both ends of a link stand.  Raises InputError."""
     if meeting.left.is_wall or meeting.right.is_wall:
         hint = f"write the floor alone: `floors: [{(pair.right if meeting.left.is_wall else pair.left).floor}]`"
-        raise IssuesFound([Issue(path, "a wall has no floors of its own", hint)])
+        raise InputError([Issue(path, "a wall has no floors of its own", hint)])
     if not pair.left.is_at_floor and not pair.right.is_at_floor:
         hint = "let one of them be at a floor, e.g. `[4, 2 + 1.2 m]`"
-        raise IssuesFound([Issue(path, "both ends of the link stand between floors", hint)])
+        raise InputError([Issue(path, "both ends of the link stand between floors", hint)])
     left_floor, left_at = _find_end(pair.left, meeting.left, path)
     right_floor, right_at = _find_end(pair.right, meeting.right, path)
     level_ends = _round_to_strike(LinkEnds(left_floor, right_floor, left_at, right_at), meeting)
@@ -327,35 +327,35 @@ def _end_on_columns(ends: LinkEnds, side: Side, storey: int, at: float, path: Ke
 
     Raises
     ------
-    IssuesFound : the building has no columns, or their share of the storey is not known
+    InputError : the building has no columns, or their share of the storey is not known
     """
     if side.columns == 0.0:
         message = f"the link ends between floors of {side.name}, which has no columns (`columns: none`)"
         hint = f"let it end at a floor, e.g. {storey}, or write what part of the storey its columns have"
-        raise IssuesFound([Issue(path, message, hint)])
+        raise InputError([Issue(path, message, hint)])
     if side.columns is None:
         message = f"the link ends on columns of {side.name} in storey {storey}, of which nothing is known"
         hint = f"write `columns:` in {side.name}, their part of the storey's stiffness, e.g. `columns: 20 %`"
-        raise IssuesFound([Issue(path, message, hint)])
+        raise InputError([Issue(path, message, hint)])
     return ends._replace(columns=side.columns, flexibility=side.deflection(storey, at))
 
 
 def _find_end(place: FloorPlace, side: Side, path: KeyPath) -> tuple[int, float]:
     """Return the floor at or above an end of a link, and where in the storey below it the end stands, as of `Link`.
 
-    Raises IssuesFound: the building has no such place.
+    Raises InputError: the building has no such place.
     """
     has = f"{side.name} has {pluralize(side.storeys, 'floor')}"
     if place.is_at_floor:
         if place.floor > side.storeys or (place.floor == 0 and not side.base_moves):
             message = f"{has}, not {place.floor}" if place.floor else f"the base of {side.name} does not move"
-            raise IssuesFound([Issue(path, message, f"write a floor from 1 to {side.storeys}")])
+            raise InputError([Issue(path, message, f"write a floor from 1 to {side.storeys}")])
         return place.floor, 1.0
     if place.floor >= side.storeys:
-        raise IssuesFound([Issue(path, f"{has}: '{place}' is above its roof", "write a place below the roof")])
+        raise InputError([Issue(path, f"{has}: '{place}' is above its roof", "write a place below the roof")])
     height = side.levels[place.floor + 1] - side.levels[place.floor]
     at = place.share or place.above / height
     if not at < 1.0:
         message = f"'{place}' is not below floor {place.floor + 1} of {side.name}: that storey is {height:g} m high"
-        raise IssuesFound([Issue(path, message, f"write {place.floor + 1} for the floor, or a place below it")])
+        raise InputError([Issue(path, message, f"write {place.floor + 1} for the floor, or a place below it")])
     return place.floor + 1, at

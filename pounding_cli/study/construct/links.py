@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from pounding_cli.errors import Issue, KeyPath
+from pounding_cli.errors import InputError, Issue, KeyPath
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.model.links import Link
 from pounding_cli.study.construct.complete_links import CompleteLink
 from pounding_cli.study.construct.link_places import Floors, LinkEnds, Meeting
 from pounding_cli.study.schema.street_places import WHOLE_AT_CENTRES, find_link_arms
-from pounding_cli.study.text.issues import IssuesFound
 
 
 def build_links(
@@ -24,7 +23,7 @@ def build_links(
 
     Raises
     ------
-    IssuesFound : two links are alike, a link across a gap is inclined, or stands between a slab and columns without
+    InputError : two links are alike, a link across a gap is inclined, or stands between a slab and columns without
         a law for that
     """
     issues: dict[Issue, None] = {}
@@ -42,7 +41,7 @@ def build_links(
             here = [number for number, law in enumerate(laws) if law is not None and ends in floors[pair][number]]
             built += _build_links_at(pair, ends, sorted({*at_columns, *here}), links, laws, meeting, issues)
     if issues:
-        raise IssuesFound(issues)
+        raise InputError(issues)
     return tuple(built)
 
 
@@ -85,7 +84,7 @@ def _build_links_at(
         )
         try:
             parts = _part_link(whole, links[number], meeting)
-        except IssuesFound as refused:
+        except InputError as refused:
             issues |= {issue: None for issue in refused.issues if not issue.is_placed}
             continue
         issue = _find_link_alike(parts, alike, path)
@@ -122,7 +121,7 @@ def _part_link(whole: Link, link: CompleteLink, meeting: Meeting) -> list[Link]:
 
     Raises
     ------
-    IssuesFound : it stands where it cannot, or its law cannot be parted
+    InputError : it stands where it cannot, or its law cannot be parted
     """
     left, right = meeting.left, meeting.right
     arms = find_link_arms(link.spec, link.path, (left.name, right.name), left.street, right.street)
@@ -135,7 +134,7 @@ def _part_link(whole: Link, link: CompleteLink, meeting: Meeting) -> list[Link]:
         law = whole.law.scale(share)
         if law is None:
             message = f"link: {link.title} cannot stand at several places, and floors that twist strike at both ends"
-            raise IssuesFound([Issue(link.path, message, "write one place, e.g. `places: 0 m`")])
+            raise InputError([Issue(link.path, message, "write one place, e.g. `places: 0 m`")])
         parts.append(replace(whole, law=law, left_arm=left_arm, right_arm=right_arm, whole_law=whole.law))
     return parts
 

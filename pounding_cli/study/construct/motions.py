@@ -31,7 +31,7 @@ from pounding_cli.study.schema.records import (
     SpectrumSpec,
 )
 from pounding_cli.study.text.file import nearest
-from pounding_cli.study.text.issues import Issues, IssuesFound, to_issues
+from pounding_cli.study.text.issues import Issues, to_issues
 
 _VERTICAL = re.compile(r"(?:[-_ .](?:up|dwn|down|vert?)|\.ud\d?|dwn)\Z", re.IGNORECASE)
 # How the databases end the names of vertical components: -UP.AT2, DWN.AT2, .UD, .UD1.
@@ -168,7 +168,7 @@ class MotionReader:
                 records.get_entry(record, records.MOTION_SETS)  # refuses the name, with the nearest one
             record = RecordFileSpec(file=record)
         if len(record.file) > MAX_PATH_LENGTH:
-            raise InputError(Issue((), f"a path of {len(record.file)} characters", "no path is that long"))
+            raise InputError(f"a path of {len(record.file)} characters", "no path is that long")
         written = os.path.expanduser(record.file)
         files = self._find_files(written)
         if not files:
@@ -176,10 +176,10 @@ class MotionReader:
             hint = "paths are relative to the study file"
             if records.find_set_name(written) is not None:
                 hint = f"write `{written}` without `file:` for the set of recorded motions; {hint}"
-            raise InputError(Issue((), message, hint))
+            raise InputError(message, hint)
         if record.name is not None and len(files) > 1:
             hint = "leave it out: each is called by its file's stem"
-            raise InputError(Issue((), f"'name:' is one for {len(files)} files", hint))
+            raise InputError(f"'name:' is one for {len(files)} files", hint)
         stems = Counter(each.stem for each in files)
         # K-NET's files of one record differ by their endings only.
         names = [each.stem if stems[each.stem] == 1 else each.name.replace(".", "-") for each in files]
@@ -196,7 +196,7 @@ class MotionReader:
         if os.path.exists(self.folder / str(name)):
             message = f"'{name}' is a set of recorded motions, and {shorten_path(self.folder / str(name))} exists too"
             hint = f"write `./{record}` for the files; give the folder another name to use the set"
-            raise InputError(Issue((), message, hint))
+            raise InputError(message, hint)
         return tuple(MotionItem(motion.name, set_motion=motion) for motion in records.select_set_motions(record))
 
     def _find_files(self, written: str) -> list[Path]:
@@ -211,7 +211,7 @@ class MotionReader:
         found = list(islice(visited, MAX_FILES + 1))
         if len(found) > MAX_FILES:
             hint = "begin the pattern nearer to the motions, e.g. `motions/**/*.AT2`"
-            raise InputError(Issue((), f"{shorten_path(path)}: more than {MAX_FILES} files and folders", hint))
+            raise InputError(f"{shorten_path(path)}: more than {MAX_FILES} files and folders", hint)
         fits = (self.folder / name for name in found if not deep or PurePath(name).match(tail))
         return sorted(each for each in fits if os.path.isfile(each))
 
@@ -221,7 +221,7 @@ def read_suite(spec: RecordsSpec, reader: MotionReader) -> Suite:
 
     Raises
     ------
-    IssuesFound : a motion cannot be found, read or scaled
+    InputError : a motion cannot be found, read or scaled
     """
     sources = _Sources(reader)
     issues = Issues()
@@ -235,7 +235,7 @@ def read_suite(spec: RecordsSpec, reader: MotionReader) -> Suite:
     try:
         return _Scaler(spec, sources).build_suite()
     except InputError as refused:
-        raise IssuesFound(to_issues(refused, ("records", "scale"))) from None
+        raise InputError(to_issues(refused, ("records", "scale"))) from None
 
 
 class _Sources:
@@ -294,14 +294,14 @@ class _Sources:
         if name in records.list_names():
             return self.reader.whole_motion(MotionItem(name))
         names = dict.fromkeys((*self.motions, *records.list_names()))
-        raise IssuesFound([Issue(("records", "scale", key), f"no record '{name}'", nearest(name, names))])
+        raise InputError([Issue(("records", "scale", key), f"no record '{name}'", nearest(name, names))])
 
 
 def _merge_refusals(refusals: Sequence[InputError], written: str) -> Iterator[InputError]:
     """Yield refusals of the files that an entry of `use` stands for, those alike as one, with the entry as written in
     the line to paste."""
     alike: dict[tuple[str, str], list[Issue]] = {}
-    for problem in (each for refused in refusals for each in refused.problems):
+    for problem in (each for refused in refusals for each in refused.issues):
         hint = problem.hint.replace(records.write_file(problem.file), records.write_file(written))
         alike.setdefault((problem.message, hint), []).append(problem)
     for (message, hint), problems in alike.items():
@@ -323,7 +323,7 @@ class _Scaler:
         self.sources = sources
 
     def build_suite(self) -> Suite:
-        """Return the motions as they are used.  Raises IssuesFound, and InputError where they cannot be scaled."""
+        """Return the motions as they are used.  Raises InputError, and InputError where they cannot be scaled."""
         cut: dict[str, Motion] = {}
         short: list[str] = []
         begun: list[str] = []
@@ -384,7 +384,7 @@ class _Scaler:
             return float(records.get_entry(name).duration)
         path = ("records", key) if key == "duration" else ("records", "scale", key)
         hint = "write `whole` or a time, e.g. `duration: 10 s`"
-        raise IssuesFound([Issue(path, f"table1 has no duration for '{name}'", hint)])
+        raise InputError([Issue(path, f"table1 has no duration for '{name}'", hint)])
 
     def _find_target(self, cut: Mapping[str, Motion]) -> records.TargetSpectrum:
         """Return the target as a spectrum over its range."""
@@ -431,7 +431,7 @@ class _Scaler:
         for name in cut:
             if not self.sources.has_table1(name):
                 hint = "write a factor, {arias: NAME}, {pga: 0.35 g}, {sa: 0.8 g, period: 0.5 s} or {spectrum: ...}"
-                raise IssuesFound([Issue(("records", "scale"), f"table1 has no scale for '{name}'", hint)])
+                raise InputError([Issue(("records", "scale"), f"table1 has no scale for '{name}'", hint)])
         return {name: float(records.get_entry(name).scale) for name in cut}
 
     def _find_arias_factors(self, scale: AriasSpec) -> dict[str, float]:

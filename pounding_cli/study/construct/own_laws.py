@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import keyword
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
-from pounding_cli.errors import Issue, KeyPath
+from pounding_cli.errors import InputError, Issue, KeyPath
 from pounding_cli.laws import link_laws
 from pounding_cli.laws.apart import Apart
-from pounding_cli.laws.formula import FORMULA_VARIABLES, WRITTEN_LAWS, FormulaError, WrittenLaw
+from pounding_cli.laws.formula import FORMULA_VARIABLES, WRITTEN_LAWS, WrittenLaw
 from pounding_cli.study.schema.links import NO_LINK
 from pounding_cli.study.text.file import Map, QuotedText, get, locate
-from pounding_cli.study.text.issues import IssuesFound
 
 _TRIAL_GAP = 0.01
 """Gap [m] at which a formula is tried when it is read."""
@@ -39,7 +38,7 @@ class OwnLaw:
         return bool(WRITTEN_LAWS[self.acts].subtracts_gap)
 
     def build(self, gap: float) -> WrittenLaw:
-        """Return the law across a gap [m].  Raises FormulaError, ValueError: the formula cannot be read."""
+        """Return the law across a gap [m].  Raises InputError, ValueError: the formula cannot be read."""
         return WRITTEN_LAWS[self.acts](
             gap, called=self.name, formula=self.formula, constants=self.constants, tension_cut=self.tension_cut
         )
@@ -52,7 +51,7 @@ def build_own_laws(specs: Mapping[str, Any], tree: Map) -> dict[str, OwnLaw]:
 
     Raises
     ------
-    IssuesFound : a name is taken, or a formula cannot be read
+    InputError : a name is taken, or a formula cannot be read
     """
     issues: list[Issue] = []
     laws: dict[str, OwnLaw] = {}
@@ -68,7 +67,7 @@ def build_own_laws(specs: Mapping[str, Any], tree: Map) -> dict[str, OwnLaw]:
         issues += found
         laws[name] = law
     if issues:
-        raise IssuesFound(issues)
+        raise InputError(issues)
     return laws
 
 
@@ -88,19 +87,27 @@ def _try_formula(law: OwnLaw, path: KeyPath, tree: Map) -> list[Issue]:
     key_path = (*path, "force")
     try:
         law.build(_TRIAL_GAP)
-    except FormulaError as error:
-        return [Issue(key_path, f"force: {error.message}", error.hint, offset=_find_offset(error, key_path, tree))]
+    except InputError as error:
+        begin = _find_beginning(key_path, tree)
+        return [
+            replace(
+                each,
+                path=key_path,
+                message=f"force: {each.message}",
+                offset=0 if begin is None else begin + each.offset,
+            )
+            for each in error.issues
+        ]
     except ValueError as error:
         return [Issue(key_path, str(error), "write a shorter formula")]
     return []
 
 
-def _find_offset(error: FormulaError, path: KeyPath, tree: Map) -> int:
-    """Return the place of an error in characters behind the beginning of a formula; 0 in Python data and in blocks."""
+def _find_beginning(path: KeyPath, tree: Map) -> int | None:
+    """Return how many characters of a value stand before its formula; None in Python data and in blocks, and of a
+    number, of which the schema makes the formula."""
     text = get(tree, *path)
     _, column = locate(tree, path)
-    if not isinstance(text, str):  # a number, of which the schema makes the formula
-        return 0
-    if error.line != 0 or "\n" in text or not isinstance(column, int):
-        return 0
-    return error.column + len(text) - len(text.lstrip()) + isinstance(text, QuotedText)
+    if not isinstance(text, str) or "\n" in text or not isinstance(column, int):
+        return None
+    return len(text) - len(text.lstrip()) + isinstance(text, QuotedText)

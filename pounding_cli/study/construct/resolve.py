@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from pounding_cli.errors import Issue, KeyPath
+from pounding_cli.errors import InputError, Issue, KeyPath
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
@@ -41,7 +41,7 @@ from pounding_cli.study.construct.written import read_spec
 from pounding_cli.study.schema.like import inherits_key
 from pounding_cli.study.schema.quantity import quote
 from pounding_cli.study.text.file import Map, get, with_value
-from pounding_cli.study.text.issues import Issues, IssuesFound
+from pounding_cli.study.text.issues import Issues
 from pounding_cli.study.vary.axes import UNWRITTEN, Axis
 
 T = TypeVar("T")
@@ -82,7 +82,7 @@ def tree_at(tree: Map, axes: Sequence[Axis], point: Point) -> Map:
     """Return the file at a point of the sweep; AS_WRITTEN on an axis stands for what the file itself has."""
     for axis, place in zip(axes, point, strict=True):
         for column in range(len(axis.names)) if place >= 0 else ():
-            with suppress(IssuesFound):  # which `resolve` notes
+            with suppress(InputError):  # which `resolve` notes
                 tree = _set_columns(tree, axis, place, [column])
     return tree
 
@@ -92,7 +92,7 @@ def _set_columns(tree: Map, axis: Axis, place: int, columns: Sequence[int]) -> M
 
     Raises
     ------
-    IssuesFound : another axis has put a value there that has no keys
+    InputError : another axis has put a value there that has no keys
     """
     values = axis.written_values[place]
     for column in columns:
@@ -101,7 +101,7 @@ def _set_columns(tree: Map, axis: Axis, place: int, columns: Sequence[int]) -> M
         try:
             tree = with_value(tree, axis.paths[column], values[column], axis.marks[place][column])
         except KeyError:
-            raise IssuesFound([_refuse_key_below(tree, axis.paths[column])]) from None
+            raise InputError([_refuse_key_below(tree, axis.paths[column])]) from None
     return tree
 
 
@@ -136,7 +136,7 @@ def sweep_part(
     Points at which the keys that change it have the same values share one result.
 
     path : of the part
-    read : of the whole file at a point; may raise IssuesFound, which is noted
+    read : of the whole file at a point; may raise InputError, which is noted
     """
     columns = {
         number: [column for column, key in enumerate(axis.names) if changes_part(key, path, tree)]
@@ -156,7 +156,7 @@ def sweep_part(
                 for number, place in zip(numbers, index, strict=True):
                     there = _set_columns(there, axes[number], place, columns[number])
                 known[key] = read(there), ()
-            except IssuesFound as refused:
+            except InputError as refused:
                 known[key] = None, refused.issues
         result, found = known[key]
         issues.add(numbers, index, found)

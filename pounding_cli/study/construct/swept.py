@@ -8,7 +8,8 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from pounding_cli.study.text.issues import Issues, IssuesFound
+from pounding_cli.errors import InputError
+from pounding_cli.study.text.issues import Issues
 
 T = TypeVar("T", covariant=True)
 R = TypeVar("R")
@@ -89,7 +90,7 @@ def sweep_map(build: Callable[..., R], *parts: Swept[Any], issues: Issues | None
 
     Parameters
     ----------
-    build : of the values of all parts at a point; may raise IssuesFound, which is noted with the point
+    build : of the values of all parts at a point; may raise InputError, which is noted with the point
     issues : where to note these; raised unless given
     """
     axes = tuple(sorted({axis for part in parts for axis in part.axes}))
@@ -114,7 +115,7 @@ def _build(build: Callable[..., R], values: tuple[Any, ...], raises: bool) -> tu
         return None, ()
     try:
         return build(*values), ()
-    except IssuesFound as refused:
+    except InputError as refused:
         if raises:
             raise
         return None, refused.issues

@@ -8,14 +8,14 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
-from pounding_cli.errors import Issue, KeyPath
+from pounding_cli.errors import InputError, Issue, KeyPath
 from pounding_cli.study.schema.archetypes import fill_archetype
 from pounding_cli.study.schema.building import BuildingSpec
 from pounding_cli.study.schema.like import resolve_like
 from pounding_cli.study.schema.lookup import MAX_DESCRIBED, describe_error, describe_errors
 from pounding_cli.study.schema.study import ENTRIES, StudySpec
 from pounding_cli.study.text.file import Map
-from pounding_cli.study.text.issues import Issues, IssuesFound
+from pounding_cli.study.text.issues import Issues
 
 _adapter = functools.cache(TypeAdapter)  # building one takes longer than a validation
 
@@ -71,7 +71,7 @@ def _read_entries(tree: Map, name: str, field: Any, issues: Issues) -> dict[KeyP
         path = (name, entry)
         try:
             specs[path] = read_spec(tree, path, parents)
-        except IssuesFound as refused:
+        except InputError as refused:
             issues.add_written(refused.issues)
             if name == "buildings":
                 issues.add_written(_find_orphan_issues(tree, entry, refused))
@@ -87,7 +87,7 @@ def _read_noted(tree: Map, path: KeyPath, kind: Any, issues: Issues, model: type
     """Return a validated part of a study; None where it is faulty, which is noted."""
     try:
         return _validate(tree, path, kind, tree[str(path[0])], model)
-    except IssuesFound as refused:
+    except InputError as refused:
         issues.add_written(refused.issues)
         return None
 
@@ -101,7 +101,7 @@ def read_spec(tree: Map, path: tuple[str, ...], parents: dict[str, Any] | None =
 
     Raises
     ------
-    IssuesFound : it is faulty
+    InputError : it is faulty
     """
     if len(path) == 1:
         field = StudySpec.model_fields[path[0]]
@@ -119,7 +119,7 @@ def _validate(tree: Map, path: KeyPath, kind: Any, value: Any, model: type[Study
     try:
         return _adapter(kind).validate_python(value)
     except ValidationError as error:
-        raise IssuesFound(describe_errors(error, path, model, _with_merged_building(tree, path, value))) from None
+        raise InputError(describe_errors(error, path, model, _with_merged_building(tree, path, value))) from None
 
 
 def _with_merged_building(tree: Map, path: KeyPath, value: Any) -> Map:
@@ -131,7 +131,7 @@ def _with_merged_building(tree: Map, path: KeyPath, value: Any) -> Map:
     return Map({**tree, "buildings": found}, tree.mark, tree.marks)
 
 
-def _find_orphan_issues(tree: Map, name: str, refused: IssuesFound) -> list[Issue]:
+def _find_orphan_issues(tree: Map, name: str, refused: InputError) -> list[Issue]:
     """Return what is wrong with the own keys of a building whose `like:` leads nowhere.
 
     What the building may inherit is not missed.
@@ -142,12 +142,12 @@ def _find_orphan_issues(tree: Map, name: str, refused: IssuesFound) -> list[Issu
     orphan = Map({key: value for key, value in building.items() if key != "like"}, building.mark, building.marks)
     try:
         _validate(tree, ("buildings", name), BuildingSpec, orphan)
-    except IssuesFound as found:
+    except InputError as found:
         return [issue for issue in iter_issues(found) if any(not str(s).startswith("(") for s in issue.path[2:])]
     return []
 
 
-def iter_issues(refused: IssuesFound) -> Iterator[Issue]:
+def iter_issues(refused: InputError) -> Iterator[Issue]:
     """Yield the issues that stand in the study."""
     yield from (issue for issue in refused.issues if not issue.is_placed)
 

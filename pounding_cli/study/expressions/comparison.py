@@ -10,13 +10,13 @@ from typing import NamedTuple
 import numpy as np
 from pydantic_core import PydanticCustomError
 
+from pounding_cli.errors import InputError
 from pounding_cli.study.expressions.expression import (
     HISTORY,
     LINE,
     MAX_LENGTH,
     QUANTITIES,
     Expression,
-    ExpressionError,
     Scope,
     TableQuantity,
     Value,
@@ -132,7 +132,7 @@ class Comparison:
 def parse_comparison(text: str, scope: Scope) -> Comparison:
     """Return a comparison over the tables of a study; arguments and errors as those of `parse_expression`."""
     if len(text) > MAX_LENGTH:
-        raise ExpressionError(f"{len(text)} characters are not a comparison", comparison_hint(scope.buildings))
+        raise InputError(f"{len(text)} characters are not a comparison", comparison_hint(scope.buildings))
     text = " ".join(text.split())
     outside = re.sub(r"\[[^\[\]]*\]", lambda match: "_" * len(match[0]), text)  # a point of the sweep has signs too
     marks = list(SIGN.finditer(outside))
@@ -140,15 +140,15 @@ def parse_comparison(text: str, scope: Scope) -> Comparison:
     sides = [text[begin:end].strip() for begin, end in zip(ends[::2], ends[1::2], strict=True)]
     signs = tuple(mark[1] for mark in marks)
     if not signs or "" in sides[:1] or "=" in SIGN.sub(" ", outside):
-        raise ExpressionError(f"'{text}' is not compared with a value by < or >", comparison_hint(scope.buildings))
+        raise InputError(f"'{text}' is not compared with a value by < or >", comparison_hint(scope.buildings))
     if len(sides) > 3 or len({sign[0] for sign in signs}) > 1:
         hint = comparison_hint(scope.buildings)
-        raise ExpressionError(f"'{text}' compares more than one number with its lower and upper end", hint)
+        raise InputError(f"'{text}' compares more than one number with its lower and upper end", hint)
     known = {*QUANTITIES, *HISTORY, *(name.removeprefix("line_") for name in LINE)}
     names = [set(_NAMES.findall(side)) & known for side in sides]
     if not any(names):
         parse_expression(sides[0], scope)  # says what is wrong with it
-        raise ExpressionError(f"'{text}': it takes nothing from the tables", comparison_hint(scope.buildings))
+        raise InputError(f"'{text}': it takes nothing from the tables", comparison_hint(scope.buildings))
     in_percent = any(written_unit(side) == "%" for side in sides)
     parsed = [
         parse_expression(side, scope, in_percent) if found else None for side, found in zip(sides, names, strict=True)
@@ -160,7 +160,7 @@ def parse_comparison(text: str, scope: Scope) -> Comparison:
     units = {part.unit for part in parts if isinstance(part, Expression)}
     if len(units) > 1:
         found = " and ".join(f"[{unit or '-'}]" for unit in sorted(units))
-        raise ExpressionError(f"'{text}' compares numbers in {found}", "compare numbers of one unit")
+        raise InputError(f"'{text}' compares numbers in {found}", "compare numbers of one unit")
     written = next((written_unit(side) for side, each in zip(sides, parsed, strict=True) if each is None), "")
     return Comparison(text, tuple(parts), signs, written)
 
@@ -168,7 +168,7 @@ def parse_comparison(text: str, scope: Scope) -> Comparison:
 def _parse_value(
     text: str, written: str, expression: Expression, sides: Sequence[str], signs: Sequence[str]
 ) -> float:  # fmt: skip
-    """Return a value of a comparison [SI].  Raises ExpressionError.
+    """Return a value of a comparison [SI].  Raises InputError.
 
     written : the value
     expression : that it is compared with
@@ -176,7 +176,7 @@ def _parse_value(
     behind = _BEHIND.fullmatch(written)
     if behind is not None and len(sides) == 2:
         ordered = _put_place_before(behind, written, sides, signs)
-        raise ExpressionError(f"'{text}': the place stands behind the value", f"write `{ordered}`")
+        raise InputError(f"'{text}': the place stands behind the value", f"write `{ordered}`")
     unit = expression.unit
     shown = _VALUES.get(unit, f"1 {unit}")
     hint = f"write e.g. `{expression} {signs[0]} {shown}`"
@@ -186,9 +186,9 @@ def _parse_value(
     try:
         number = float(measure.read(written))
     except PydanticCustomError as error:
-        raise ExpressionError(f"'{text}': {(error.context or {})['message']}", hint) from None
+        raise InputError(f"'{text}': {(error.context or {})['message']}", hint) from None
     if unit and not written_unit(written):
-        raise ExpressionError(f"'{text}': the value has no unit", hint)
+        raise InputError(f"'{text}': the value has no unit", hint)
     return number
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from pydantic_core import PydanticCustomError
 
 from pounding_cli import variables
+from pounding_cli.errors import InputError
 from pounding_cli.study.schema.quantity import TIME
 from pounding_cli.study.text.file import nearest
 from pounding_cli.study.vary.axes import Axis
@@ -236,10 +237,6 @@ class Expression:
         return self.text
 
 
-class ExpressionError(ValueError):
-    """A fault in an expression; the second argument says what to write."""
-
-
 def parse_expression(text: str, scope: Scope, over_height: bool = False) -> Expression:
     """Return an expression over the tables of a study.
 
@@ -247,11 +244,11 @@ def parse_expression(text: str, scope: Scope, over_height: bool = False) -> Expr
 
     Raises
     ------
-    ExpressionError : what is wrong, and what to write
+    InputError : what is wrong, and what to write
     """
     hint = expression_hint(scope.buildings)
     if len(text) > MAX_LENGTH:
-        raise ExpressionError(f"{len(text)} characters are not an expression", hint)
+        raise InputError(f"{len(text)} characters are not an expression", hint)
     text = " ".join(text.split())
     quantities: list[TableQuantity] = []
 
@@ -261,8 +258,8 @@ def parse_expression(text: str, scope: Scope, over_height: bool = False) -> Expr
             return match[0]
         try:
             quantities.append(_parse_quantity(match, scope))
-        except ExpressionError as error:
-            raise ExpressionError(f"'{text}': {error.args[0]}", error.args[1]) from None
+        except InputError as error:
+            raise error.about(text) from None
         return f"_{len(quantities) - 1}"
 
     arithmetic = re.sub(PHRASE.format(places=place_pattern(scope)), replace_phrase, text)
@@ -272,15 +269,15 @@ def parse_expression(text: str, scope: Scope, over_height: bool = False) -> Expr
         if over_height and unit == "m" and all(map(has_ratio, quantities)):
             quantities = [replace(each, name=OVER_HEIGHT[each.name]) for each in quantities]
             unit, work = _compile_node(node, quantities)
-    except ExpressionError as error:
-        raise ExpressionError(f"'{text}': {error}", hint) from None
+    except InputError as error:
+        raise InputError([replace(each, hint=hint) for each in error.about(text).issues]) from None
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         message = "this is not arithmetic with the numbers of the tables"
         if arithmetic.count("(") > arithmetic.count(")"):
             message = "a bracket is not closed"
-        raise ExpressionError(f"'{text}': {message}", hint) from None
+        raise InputError(f"'{text}': {message}", hint) from None
     if not quantities or "#" in arithmetic:
-        raise ExpressionError(f"'{text}': it takes nothing from the tables", hint)
+        raise InputError(f"'{text}': it takes nothing from the tables", hint)
     is_plain = isinstance(node, ast.Name)
     return Expression(text, "" if unit in (None, _MIXED) else unit, tuple(quantities), work, is_plain)
 
@@ -302,26 +299,26 @@ def place_pattern(scope: Scope) -> str:
 
 
 def _parse_quantity(match: re.Match[str], scope: Scope) -> TableQuantity:
-    """Return the quantity of a phrase such as `mean mu in soft storey 2`.  Raises ExpressionError."""
+    """Return the quantity of a phrase such as `mean mu in soft storey 2`.  Raises InputError."""
     name = match["name"]
     buildings = scope.buildings
     if name == "in":
-        raise ExpressionError(
+        raise InputError(
             "places stand behind one `in`, before brackets", f"write e.g. `time in {buildings[0]} [1.1 s]`"
         )
     if name == "line":
-        raise ExpressionError("a frame line stands before its building", f"write e.g. `mu in line 1 of {buildings[0]}`")
+        raise InputError("a frame line stands before its building", f"write e.g. `mu in line 1 of {buildings[0]}`")
     if name in LINE:
         of_storey = name.removeprefix("line_")
-        raise ExpressionError(f"{name} belongs to a frame line", f"write `{of_storey} in line 1 of {buildings[0]}`")
+        raise InputError(f"{name} belongs to a frame line", f"write `{of_storey} in line 1 of {buildings[0]}`")
     point, instant = _parse_where(match["where"], scope)
     known = QUANTITIES if instant is None else HISTORY
     if name not in known:
         if name in HISTORY and scope.cases:
             hint = f"write e.g. `{name} [1.1 s]` or `{name} [contact 1]`"
-            raise ExpressionError(f"{name} is a number of an instant", hint)
+            raise InputError(f"{name} is a number of an instant", hint)
         kind = "quantity" if instant is None else "quantity over time"
-        raise ExpressionError(f"no {kind} '{name}' is known", nearest(name, (*known, *_FUNCTIONS)))
+        raise InputError(f"no {kind} '{name}' is known", nearest(name, (*known, *_FUNCTIONS)))
     place = parse_places(match, name, scope)
     names = [each.removeprefix("line_") for each in LINE]
     line = _check_line(place.line, name, names)
@@ -338,14 +335,14 @@ def _parse_quantity(match: re.Match[str], scope: Scope) -> TableQuantity:
         place.case, place.analysis, place.motion, place.law, point, instant,
     )  # fmt: skip
     if quantity.over_buildings and (name not in (*STOREY, *FLOOR) or quantity.building is not None):
-        raise ExpressionError(
+        raise InputError(
             f"'{match['over']} {match['how']}' is of the buildings, then of their storeys", "write one of the two"
         )
     return quantity
 
 
 def _check_owner(name: str, instant: Instant | None, place: Places, reduction: str) -> None:
-    """Raise ExpressionError where a phrase names a place that its quantity does not have, or reduces one number.
+    """Raise InputError where a phrase names a place that its quantity does not have, or reduces one number.
 
     reduction : as written; "" of none
     """
@@ -354,12 +351,12 @@ def _check_owner(name: str, instant: Instant | None, place: Places, reduction: s
         has_level = any(each in _HISTORY_OF_LEVELS for each in (name, instant.quantity))
         owner = "links" if name in _HISTORY_OF_LINKS else "a time history"
         if place.line is not None:
-            raise ExpressionError("histories of frame lines have no numbers of an instant", "leave the line out")
+            raise InputError("histories of frame lines have no numbers of an instant", "leave the line out")
         if place.role:
-            raise ExpressionError(f"'{place.role}' has no numbers of an instant", "write the name of the building")
+            raise InputError(f"'{place.role}' has no numbers of an instant", "write the name of the building")
         if reduction:
             hint = f"leave '{reduction}' out, and name the building and its storey or floor"
-            raise ExpressionError(f"'{reduction}' is not of a number at an instant", hint)
+            raise InputError(f"'{reduction}' is not of a number at an instant", hint)
     else:
         dims = variables.VARIABLES[f"record_{name}" if name in OF_MOTIONS else name].dims
         has_building = "building" in dims
@@ -367,11 +364,11 @@ def _check_owner(name: str, instant: Instant | None, place: Places, reduction: s
         owner = "a motion" if name in OF_MOTIONS else "a time history"
         if reduction and not has_building and "link" not in dims:
             hint = f"write `{name}`; `over_motions:` tells what is taken over the motions"
-            raise ExpressionError(f"{name} is one number of {owner}, without a {reduction} one", hint)
+            raise InputError(f"{name} is one number of {owner}, without a {reduction} one", hint)
     if not has_building and (place.building is not None or place.role or place.level):
-        raise ExpressionError(f"{name} belongs to {owner}, not to a building", f"leave the {_say_place(place)} out")
+        raise InputError(f"{name} belongs to {owner}, not to a building", f"leave the {_say_place(place)} out")
     if place.level and not has_level:
-        raise ExpressionError(f"{name} belongs to a building, not to a storey or floor", f"leave '{place.level}' out")
+        raise InputError(f"{name} belongs to a building, not to a storey or floor", f"leave '{place.level}' out")
 
 
 def _say_place(place: Places) -> str:
@@ -394,7 +391,7 @@ class Places:
 
 
 def parse_places(match: re.Match[str], name: str, scope: Scope) -> Places:
-    """Return the places behind `in` of a phrase.  Raises ExpressionError."""
+    """Return the places behind `in` of a phrase.  Raises InputError."""
     places = Places()
     if match["in"] is None:
         return places
@@ -405,31 +402,31 @@ def parse_places(match: re.Match[str], name: str, scope: Scope) -> Places:
     of_line = bool(written) and written[-1].startswith("line ")  # no building stands behind it
     if not written or of_line:
         if is_link and not scope.cases:
-            raise ExpressionError(f"{name} belongs to links, not to a building", f"write `{name}`: of all links")
+            raise InputError(f"{name} belongs to links, not to a building", f"write `{name}`: of all links")
         asked = re.match(r"line\s+([0-9]+)", unknown or " ".join(written[-1:]))
         if asked is not None:
             hint = f"write `{name} in line {asked[1]} of {buildings[0]}`"
-            raise ExpressionError(f"line {asked[1]} of which building?", hint)
+            raise InputError(f"line {asked[1]} of which building?", hint)
         if several := _list_places_of_type(unknown, buildings):
             repeated = several[0].rpartition("-")[0]
             hint = f"write {' or '.join(f'`{name} in {each}`' for each in several)}"
-            raise ExpressionError(f"'{repeated}' stands at {len(several)} places of the group", hint)
+            raise InputError(f"'{repeated}' stands at {len(several)} places of the group", hint)
         every = {kind: names for kind, names in scope.names.items() if names and kind != _LAW}
         kinds = ", ".join(every).replace(", motion", " or motion")
-        raise ExpressionError(
+        raise InputError(
             f"no {kinds} '{unknown}' in the {'group' if len(every) == 1 else 'study'}",
             nearest(unknown, [each for names in every.values() for each in names]),
         )
     for each in written:
         _take_place(places, each, scope)
     if places.law and name in _HISTORY_OF_LINKS:
-        raise ExpressionError(f"{name} is of all links of a case, not of one law", "leave the links out")
+        raise InputError(f"{name} is of all links of a case, not of one law", "leave the links out")
     if places.law and not is_link:
-        raise ExpressionError(f"{name} belongs to no link", "leave the links out")
+        raise InputError(f"{name} belongs to no link", "leave the links out")
     if is_link and (places.building is not None or places.role or places.level):
-        raise ExpressionError(f"{name} belongs to links, not to a building", f"write `{name}`: of all links")
+        raise InputError(f"{name} belongs to links, not to a building", f"write `{name}`: of all links")
     if places.line is not None and places.building is None:
-        raise ExpressionError(
+        raise InputError(
             f"line {places.line} of which building?", f"write `{name} in line {places.line} of {buildings[0]}`"
         )
     return places
@@ -447,21 +444,21 @@ def _list_places_of_type(written: str, buildings: Sequence[str]) -> list[str]:
 
 
 def _take_place(places: Places, written: str, scope: Scope) -> None:
-    """Add one place of a phrase to those before it.  Raises ExpressionError."""
+    """Add one place of a phrase to those before it.  Raises InputError."""
     first, _, rest = written.partition(" ")
     if first == "line" and rest:
         places.line = rest.split()[0]
     elif first in ("storey", "floor") and rest.isdigit():
         if places.level:
-            raise ExpressionError(f"'{written}' is a second {first}", f"write one {first}")
+            raise InputError(f"'{written}' is a second {first}", f"write one {first}")
         places.level = written
     elif written in (STIFFEST, SOFTER):
         if places.role or places.building is not None:
-            raise ExpressionError(f"'{written}' is a second building", "write one building")
+            raise InputError(f"'{written}' is a second building", "write one building")
         places.role = written
     elif (law := written.removesuffix(" links")) != written:
         if places.law:
-            raise ExpressionError(f"'{written}' is a second law of links", "write one law")
+            raise InputError(f"'{written}' is a second law of links", "write one law")
         places.law = law
     else:
         kinds = [kind for kind in _KINDS if kind != _LAW and written in scope.names[kind]]
@@ -469,12 +466,12 @@ def _take_place(places: Places, written: str, scope: Scope) -> None:
             kinds, written = [first], rest
         if len(kinds) > 1:
             said = " and ".join(f"a {kind}" for kind in kinds)
-            raise ExpressionError(f"'{written}' is {said}", f"write `{kinds[0]} {written}` or `{kinds[1]} {written}`")
+            raise InputError(f"'{written}' is {said}", f"write `{kinds[0]} {written}` or `{kinds[1]} {written}`")
         kind = kinds[0]
         if written not in scope.names[kind]:
-            raise ExpressionError(f"no {kind} '{written}' in the study", nearest(written, scope.names[kind]))
+            raise InputError(f"no {kind} '{written}' in the study", nearest(written, scope.names[kind]))
         if getattr(places, kind) is not None or (kind == "building" and places.role):
-            raise ExpressionError(f"'{written}' is a second {kind}", f"write one {kind}")
+            raise InputError(f"'{written}' is a second {kind}", f"write one {kind}")
         place = scope.names[kind].index(written)
         setattr(places, kind, ABSENT if kind == "motion" and place >= len(scope.motions) else place)
 
@@ -495,7 +492,7 @@ _HISTORY_OF_LINKS = ("closing", "link_force")
 
 
 def _parse_where(text: str | None, scope: Scope) -> tuple[tuple[tuple[int, int], ...], Instant | None]:
-    """Return the point of the sweep and the instant in the brackets of a phrase.  Raises ExpressionError."""
+    """Return the point of the sweep and the instant in the brackets of a phrase.  Raises InputError."""
     written: dict[str, str] = {}
     instant = None
     for part in [] if text is None else text.split(","):
@@ -505,7 +502,7 @@ def _parse_where(text: str | None, scope: Scope) -> tuple[tuple[tuple[int, int],
         elif instant is None:
             instant = _parse_instant(key)
         else:
-            raise ExpressionError(f"[{text}] has two instants", "write one")
+            raise InputError(f"[{text}] has two instants", "write one")
     return tuple({**dict(scope.point), **dict(find_point(written, scope.axes))}.items()), instant
 
 
@@ -516,7 +513,7 @@ def find_point(written: Mapping[str, str], axes: Sequence[Axis]) -> tuple[tuple[
 
     Raises
     ------
-    ExpressionError : a key is not swept, or does not take the value, or takes it more than once
+    InputError : a key is not swept, or does not take the value, or takes it more than once
     """
     point = []
     for number, axis in enumerate(axes):
@@ -528,31 +525,31 @@ def find_point(written: Mapping[str, str], axes: Sequence[Axis]) -> tuple[tuple[
         if len(at) != 1:
             points = [axis.format_point(place) for place in (at or range(len(axis)))]
             message = f"the sweep has {len(at)} points with {said}" if at else f"the sweep has no point with {said}"
-            raise ExpressionError(message, f"it has: {'; '.join(points)[:300]}")
+            raise InputError(message, f"it has: {'; '.join(points)[:300]}")
         point.append((number, at[0]))
     known = [name for axis in axes for name in axis.names]
     for key in written:
         if key not in known:
-            raise ExpressionError(f"'{key}' is not swept", nearest(key, known))
+            raise InputError(f"'{key}' is not swept", nearest(key, known))
     return tuple(point)
 
 
 def _parse_instant(text: str) -> Instant:
-    """Return an instant as people write it.  Raises ExpressionError."""
+    """Return an instant as people write it.  Raises InputError."""
     match = _INSTANT.match(text)
     if match is None or not text or (match["side"] and not (match["kind"] or match["most"])):
-        raise ExpressionError(f"[{text}] is not an instant", _INSTANT_HINT)
+        raise InputError(f"[{text}] is not an instant", _INSTANT_HINT)
     delay = 0.0
     if match["time"]:
         try:
             delay = float(INSTANT_TIME.read(match["time"]))
         except PydanticCustomError:
-            raise ExpressionError(f"[{text}]: '{match['time']}' is not a time", _INSTANT_HINT) from None
+            raise InputError(f"[{text}]: '{match['time']}' is not a time", _INSTANT_HINT) from None
         delay = -delay if match["side"] == "before" else delay
     if match["most"]:
         if match["quantity"] not in HISTORY or match["quantity"] == "time":
             message = f"[{text}]: no quantity '{match['quantity']}' over time"
-            raise ExpressionError(message, nearest(match["quantity"], HISTORY))
+            raise InputError(message, nearest(match["quantity"], HISTORY))
         end = _parse_instant(match["end"]) if match["end"] else None
         return Instant(match["most"], 0, match["quantity"], delay, match["part"] or "", end)
     if match["kind"]:
@@ -562,7 +559,7 @@ def _parse_instant(text: str) -> Instant:
 
 def _check_line(number: str | None, name: str, of_lines: Sequence[str]) -> int:
     """Return the number of the frame line of a quantity or limit, from 1; 0 where it names none.  Raises
-    ExpressionError: lines do not have the quantity, or there is no line 0.
+    InputError: lines do not have the quantity, or there is no line 0.
 
     of_lines : quantities that lines have
     """
@@ -570,14 +567,14 @@ def _check_line(number: str | None, name: str, of_lines: Sequence[str]) -> int:
         return 0
     if name not in of_lines:
         hint = f"write one of {', '.join(of_lines)}, or leave the line out"
-        raise ExpressionError(f"frame lines have no {name}", hint)
+        raise InputError(f"frame lines have no {name}", hint)
     if int(number) < 1:
-        raise ExpressionError("there is no line 0", "the first is `line 1`, as the plan lists them")
+        raise InputError("there is no line 0", "the first is `line 1`, as the plan lists them")
     return int(number)
 
 
 def _check_level(written: str, is_of_floors: bool, owner: str) -> int:
-    """Return the number of a storey or floor.  Raises ExpressionError: it is the other of the two, or 0.
+    """Return the number of a storey or floor.  Raises InputError: it is the other of the two, or 0.
 
     written : e.g. `storey 2`
     owner : quantity of the storey or floor, in words
@@ -585,9 +582,9 @@ def _check_level(written: str, is_of_floors: bool, owner: str) -> int:
     word, number = written.split()
     kind = "floor" if is_of_floors else "storey"
     if word != kind:
-        raise ExpressionError(f"{owner} belongs to a {kind}", f"write `{kind} {number}`")
+        raise InputError(f"{owner} belongs to a {kind}", f"write `{kind} {number}`")
     if int(number) < 1:
-        raise ExpressionError(f"there is no {kind} 0", f"the lowest is `{kind} 1`")
+        raise InputError(f"there is no {kind} 0", f"the lowest is `{kind} 1`")
     return int(number)
 
 
@@ -597,7 +594,7 @@ _MIXED = "?"
 
 def _compile_node(node: ast.expr, quantities: Sequence[TableQuantity]) -> tuple[str | None, Work]:
     """Return the unit of a part of an expression, None of a plain number, and the function that computes it.  Raises
-    ExpressionError."""
+    InputError."""
     match node:
         case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
             return None, lambda value: np.asarray(float(number))
@@ -612,11 +609,9 @@ def _compile_node(node: ast.expr, quantities: Sequence[TableQuantity]) -> tuple[
             return _compile_operation(_SIGNS[type(sign)], [left, right], quantities, type(sign))
         case ast.Call(func=ast.Name(id=name), args=inner, keywords=[]) if name in _FUNCTIONS:
             if (len(inner) > 1) != (name in _SEVERAL):
-                raise ExpressionError(f"{name} takes {'two values or more' if name in _SEVERAL else 'one value'}")
+                raise InputError(f"{name} takes {'two values or more' if name in _SEVERAL else 'one value'}")
             return _compile_operation(_FUNCTIONS[name], inner, quantities, name)
-    raise ExpressionError(
-        "only numbers of the tables, + - * /, brackets, max, min, abs, sqrt, log and exp are understood"
-    )
+    raise InputError("only numbers of the tables, + - * /, brackets, max, min, abs, sqrt, log and exp are understood")
 
 
 def _compile_operation(

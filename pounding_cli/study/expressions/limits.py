@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 from pydantic_core import PydanticCustomError
 
+from pounding_cli.errors import InputError
 from pounding_cli.model.archetypes import DAMAGE_STATES
 from pounding_cli.study.expressions.comparison import SIGN, parse_comparison
 from pounding_cli.study.expressions.expression import (
@@ -17,7 +18,6 @@ from pounding_cli.study.expressions.expression import (
     REDUCTIONS,
     SHEAR_DEMAND,
     Expression,
-    ExpressionError,
     Places,
     Scope,
     TableQuantity,
@@ -118,7 +118,7 @@ def parse_limit(text: str, scope: Scope) -> Limit:
 
     Raises
     ------
-    ExpressionError : what is wrong, and what to write
+    InputError : what is wrong, and what to write
     """
     text = " ".join(text[: MAX_LENGTH + 1].split())
     event = _EVENT.match(text)
@@ -129,48 +129,48 @@ def parse_limit(text: str, scope: Scope) -> Limit:
     first = _FIRST_NAME.match(text)
     name = first["name"] if first else text.partition(">")[0].strip()
     if name not in _RANGES:
-        raise ExpressionError(wrong, f"{nearest(name, LIMITS)}; {hint}")
+        raise InputError(wrong, f"{nearest(name, LIMITS)}; {hint}")
     if not SIGN.search(text):
-        raise ExpressionError(f"{wrong}: {name} takes `>` and a value", hint)
+        raise InputError(f"{wrong}: {name} takes `>` and a value", hint)
     comparison = parse_comparison(text, replace(scope, of_limits=True))
     expression, value = comparison.parts[:2]
     if len(comparison.parts) > 2 or not (isinstance(expression, Expression) and isinstance(value, float)):
-        raise ExpressionError(f"{wrong}: it compares more than one quantity with one number", hint)
+        raise InputError(f"{wrong}: it compares more than one quantity with one number", hint)
     if comparison.signs != (">",):
-        raise ExpressionError(f"{wrong}: {name} takes `>` and a value", hint)
+        raise InputError(f"{wrong}: {name} takes `>` and a value", hint)
     part = expression.quantities[0]
     if not expression.is_plain or part != TableQuantity(
         part.name, building=part.building, level=part.level, line=part.line
     ):
-        raise ExpressionError(f"{wrong}: it takes the largest of one quantity, without arithmetic", hint)
+        raise InputError(f"{wrong}: it takes the largest of one quantity, without arithmetic", hint)
     quantity = part.name.removeprefix("line_")
     try:
         _RANGES[quantity].read(value)
     except PydanticCustomError as error:
         message = (error.context or {})["message"]
-        raise ExpressionError(f"'{text}': {message}", _RANGES[quantity].usage) from None
+        raise InputError(f"'{text}': {message}", _RANGES[quantity].usage) from None
     length = OF_HEIGHT.get(quantity, quantity)
     return Limit(text, length, value, length != quantity, part.building, part.level, part.line)
 
 
 def _parse_event(text: str, event: re.Match[str], scope: Scope) -> Limit:
-    """Return a limit without a value, `collapse in soft`.  Raises ExpressionError."""
+    """Return a limit without a value, `collapse in soft`.  Raises InputError."""
     name, rest = event["event"], event["rest"]
     hint = limit_hint(scope.buildings)
     if SIGN.search(rest):
-        raise ExpressionError(f"'{text[:60]}' is not a limit: {name} takes no value", hint)
+        raise InputError(f"'{text[:60]}' is not a limit: {name} takes no value", hint)
     if not rest:
         return Limit(text, name)
     phrase = re.match(PHRASE.format(places=place_pattern(scope)), f"{name.split()[-1]} {rest}")
     if phrase is None or phrase["in"] is None:
-        raise ExpressionError(f"'{text[:60]}' is not a limit", hint)
+        raise InputError(f"'{text[:60]}' is not a limit", hint)
     if name == CONTACT:
-        raise ExpressionError(f"'{text}': {name} concerns two buildings, not one of them", f"write `{name}`")
+        raise InputError(f"'{text}': {name} concerns two buildings, not one of them", f"write `{name}`")
     try:
         places = parse_places(phrase, name, scope)
-    except ExpressionError as error:
-        raise ExpressionError(f"'{text}': {error.args[0]}", error.args[1]) from None
+    except InputError as error:
+        raise error.about(text) from None
     if places != Places(places.building) or phrase.end() < len(phrase.string):
         message = f"'{text}': {name} concerns a building, not one of its storeys"
-        raise ExpressionError(message, f"write `{name}` or `{name} in {scope.buildings[-1]}`")
+        raise InputError(message, f"write `{name}` or `{name} in {scope.buildings[-1]}`")
     return Limit(text, name, building=places.building)

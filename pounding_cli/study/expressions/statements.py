@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 
 from pydantic_core import PydanticCustomError
 
-from pounding_cli.errors import KeyPath
+from pounding_cli.errors import InputError, Issue
 from pounding_cli.study.expressions.comparison import Comparison, parse_comparison
-from pounding_cli.study.expressions.expression import ExpressionError, Scope, find_point, parse_expression
+from pounding_cli.study.expressions.expression import Scope, find_point, parse_expression
 from pounding_cli.study.schema.quantity import Quantity, written_unit
 from pounding_cli.study.schema.study import StatementSpec
 
@@ -39,36 +39,32 @@ class Statement:
         return any(part.instant is not None for each in self.comparisons for part in each.quantities)
 
 
-Fault = tuple["KeyPath", str, str]
-"""Place below `statements`, what is wrong, what to write."""
-
-
-def parse_statements(specs: tuple[StatementSpec, ...], scope: Scope) -> tuple[list[Statement], list[Fault]]:
-    """Return the statements of a study, and what is wrong with them."""
+def parse_statements(specs: tuple[StatementSpec, ...], scope: Scope) -> tuple[list[Statement], list[Issue]]:
+    """Return the statements of a study, and what is wrong with them, by paths below `statements`."""
     statements: list[Statement] = []
-    faults: list[Fault] = []
+    faults: list[Issue] = []
     for number, spec in enumerate(specs):
         name = spec.name or str(number + 1)
         if name in [each.name for each in statements]:
-            faults.append(((number, "name"), f"two statements are called '{name}'", "give one another name"))
+            faults.append(Issue((number, "name"), f"two statements are called '{name}'", "give one another name"))
         comparisons: list[Comparison] = []
         printed = None
         try:
             here = replace(scope, point=find_point(spec.at, scope.axes))
-        except ExpressionError as error:
-            faults.append(((number, "at"), *error.args))
+        except InputError as error:
+            faults += error.below(number, "at").issues
             here = scope
         for place, text in enumerate(spec.holds):
             try:
                 comparisons.append(parse_comparison(text, here))
-            except ExpressionError as error:
-                faults.append(((number, "holds", place), *error.args))
+            except InputError as error:
+                faults += error.below(number, "holds", place).issues
         if spec.number is not None:
             try:
                 comparison, printed = parse_number(spec, here)
                 comparisons.append(comparison)
-            except ExpressionError as error:
-                faults.append(((number, error.args[2] if len(error.args) > 2 else "number"), *error.args[:2]))
+            except InputError as error:
+                faults += error.below(number).issues
         statements.append(
             Statement(name, spec.says, spec.source, spec.reading, tuple(comparisons), printed, spec.over_motions)
         )
@@ -80,19 +76,22 @@ def parse_number(spec: StatementSpec, scope: Scope) -> tuple[Comparison, float]:
 
     Raises
     ------
-    ExpressionError : what is wrong, what to write, and the key where that is another one than `number`
+    InputError : what is wrong, at its key
     """
     assert spec.number is not None
     assert spec.is_ is not None
     assert spec.within is not None
-    expression = parse_expression(spec.number, scope, written_unit(spec.is_) == "%")
+    try:
+        expression = parse_expression(spec.number, scope, written_unit(spec.is_) == "%")
+    except InputError as error:
+        raise error.below("number") from None
     printed = _read_value("is", spec.is_, expression.unit)
     if written_unit(spec.within) == "%" and printed:
         within = abs(printed) * _read_value("within", spec.within, "")
     else:
         within = _read_value("within", spec.within, expression.unit)
     if within < 0:
-        raise ExpressionError(f"'{spec.within}' lies below 0", "write by how much the number may differ", "within")
+        raise InputError(f"'{spec.within}' lies below 0", "write by how much the number may differ").below("within")
     text = f"{expression} = {spec.is_}"
     return Comparison(
         text, (printed - within, expression, printed + within), ("<=", "<="), written_unit(spec.is_)
@@ -100,15 +99,15 @@ def parse_number(spec: StatementSpec, scope: Scope) -> tuple[Comparison, float]:
 
 
 def _read_value(key: str, written: str, unit: str) -> float:
-    """Return a value with its unit in SI.  Raises ExpressionError."""
+    """Return a value with its unit in SI.  Raises InputError."""
     example = f"3 {unit}".rstrip()
     hint = f"write e.g. `{key}: {example}`"
     try:
         number = float(Quantity(key, unit, example).read(written))
     except PydanticCustomError as error:
-        raise ExpressionError((error.context or {})["message"], hint, key) from None
+        raise InputError((error.context or {})["message"], hint).below(key) from None
     if unit and not written_unit(written):
-        raise ExpressionError(f"'{written}' has no unit", hint, key)
+        raise InputError(f"'{written}' has no unit", hint).below(key)
     return number
 
 

@@ -8,11 +8,11 @@ from typing import Any, NamedTuple
 
 from pydantic import TypeAdapter, ValidationError
 
+from pounding_cli.errors import InputError
 from pounding_cli.model.archetypes import FORCE_DISTRIBUTION, TAPER, Archetype, draw_factors
 from pounding_cli.study.schema.archetype import ArchetypeSpec
 from pounding_cli.study.schema.like import CODE, resolve_like
 from pounding_cli.study.text.file import Items, Map, Mark, get
-from pounding_cli.study.text.issues import IssuesFound
 
 KEY = "archetype"
 """Key of a building that is only seen."""
@@ -166,7 +166,7 @@ def list_seen(tree: Map) -> list[Seen]:
             continue
         try:
             seen = find_seen(resolve_like(buildings, name), name)
-        except IssuesFound:  # which is told elsewhere
+        except InputError:  # which is told elsewhere
             continue
         if seen is not None:
             found.append(seen)

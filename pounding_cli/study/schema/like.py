@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from pounding_cli.errors import Issue, KeyPath
+from pounding_cli.errors import InputError, Issue, KeyPath
 from pounding_cli.study.schema.building import BASE_SHEAR
 from pounding_cli.study.text.file import Items, Map, get, nearest
-from pounding_cli.study.text.issues import IssuesFound
 
 CODE = frozenset({"code", "zone", "soil", "importance", "Rw", "K"})
 """Keys of a yield that speak of a code."""
@@ -42,7 +41,7 @@ def resolve_like(buildings: Map, name: str, resolved: dict[str, Any] | None = No
 
     Raises
     ------
-    IssuesFound : `like:` leads to an unknown name or in a circle
+    InputError : `like:` leads to an unknown name or in a circle
     """
     resolved = {} if resolved is None else resolved
     chain = _find_chain(buildings, name, resolved)
@@ -67,10 +66,10 @@ def _find_chain(buildings: Map, name: str, resolved: Mapping[str, Any]) -> list[
         path: KeyPath = ("buildings", chain[-1], "like")
         if like not in buildings:
             others = [other for other in buildings if other != chain[-1]]
-            raise IssuesFound([Issue(path, f"like: no building '{like}' is defined", nearest(like, others))])
+            raise InputError([Issue(path, f"like: no building '{like}' is defined", nearest(like, others))])
         if like in chain:
             circle = " -> ".join((*chain[-5:], like))
-            raise IssuesFound([Issue(path, f"like: is circular: {circle}", "let one of them stand on its own")])
+            raise InputError([Issue(path, f"like: is circular: {circle}", "let one of them stand on its own")])
         chain.append(like)
     return chain
 
@@ -128,7 +127,7 @@ def resolve_all_likes(tree: Map) -> Map:
     for name in buildings:
         try:
             resolved[name] = resolve_like(buildings, name, resolved)
-        except IssuesFound:
+        except InputError:
             resolved[name] = buildings[name]
     return Map({**tree, "buildings": Map(resolved, buildings.mark, buildings.marks)}, tree.mark, tree.marks)
 

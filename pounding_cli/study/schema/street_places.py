@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pydantic_core import PydanticCustomError
 
-from pounding_cli.errors import Issue, KeyPath
+from pounding_cli.errors import InputError, Issue, KeyPath
 from pounding_cli.model.building import Building
 from pounding_cli.study.schema.floor_plan import PLACE
 from pounding_cli.study.schema.quantity import ParsedText, Quantity, quote, refuse
-from pounding_cli.study.text.issues import IssuesFound
 
 if TYPE_CHECKING:  # `links.py` imports this file
     from pounding_cli.study.schema.links import LinkSpec
@@ -136,13 +135,13 @@ def find_link_arms(
 
     Raises
     ------
-    IssuesFound : it names places, but neither floor twists; a place is outside of a plan; or they share no edge
+    InputError : it names places, but neither floor twists; a place is outside of a plan; or they share no edge
     """
     if left is None and right is None:
         if link.places is not None:
             message = f"neither {names[0]} nor {names[1]} has a plan, so 'places' has no effect"
             hint = "remove it, or give one a `plan:`"
-            raise IssuesFound([Issue((*path, "places"), message, hint, at_key=True)])
+            raise InputError([Issue((*path, "places"), message, hint, at_key=True)])
         return WHOLE_AT_CENTRES
     if link.places is None:
         parts = _halve_at_shared_edge(path, names, left, right)
@@ -155,7 +154,7 @@ def find_link_arms(
         right_arm = _find_arm(place, place.right, right, names[1], place_path)
         if any((each.left_arm, each.right_arm) == (left_arm, right_arm) for each in arms):
             hint = "remove it, and let its share go to the other"
-            raise IssuesFound([Issue(place_path, f"the place {place} stands here twice", hint)])
+            raise InputError([Issue(place_path, f"the place {place} stands here twice", hint)])
         arms.append(LinkArms(left_arm, right_arm, share))
     return tuple(arms)
 
@@ -167,7 +166,7 @@ def _halve_at_shared_edge(
 
     Raises
     ------
-    IssuesFound : they share no edge
+    InputError : they share no edge
     """
     low, high = find_shared_edge(left, right)
     if low >= high:
@@ -177,7 +176,7 @@ def _halve_at_shared_edge(
         if low > high:
             apart = f"their plans end {low - high:.4g} m apart"
         message = f"{names[0]} and {names[1]} share no edge: along the street {apart}"
-        raise IssuesFound([Issue(path, message, hint)])
+        raise InputError([Issue(path, message, hint)])
     return (PlaceOfLink(low, low), 0.5), (PlaceOfLink(high, high), 0.5)
 
 
@@ -189,7 +188,7 @@ def _find_arm(place: PlaceOfLink, end: float, side: StreetSide | None, name: str
 
     Raises
     ------
-    IssuesFound : the place is outside of the plan
+    InputError : the place is outside of the plan
     """
     if side is None:
         return 0.0
@@ -198,5 +197,5 @@ def _find_arm(place: PlaceOfLink, end: float, side: StreetSide | None, name: str
     if not side.holds(street):
         message = f"the place {place} is outside of {name}"
         hint = f"write a place from {side.low - origin:g} to {side.high - origin:g} m"
-        raise IssuesFound([Issue(path, message, hint)])
+        raise InputError([Issue(path, message, hint)])
     return street - side.centre

@@ -244,7 +244,7 @@ def parse_value(text: str, source: str) -> Any:
         hint = "check its brackets, quotes and commas; put quotes of YAML around a text with signs"
         raise InputError(Issue((), f"the value is not YAML: {message}", hint, file=source)) from None
     except InputError as refused:
-        raise InputError([replace(each, line=0, column=0) for each in refused.problems]) from None
+        raise InputError([replace(each, line=0, column=0) for each in refused.issues]) from None
     return value
 
 

@@ -3,26 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import dataclass, field
 
-from pounding_cli.errors import Issue, KeyPath
-
-
-class IssuesFound(Exception):
-    """Raised by what builds a part of a study.
-
-    issues : what is wrong; with its line where it stands in another file, as that of a motion
-    """
-
-    def __init__(self, issues: Iterable[Issue]) -> None:
-        self.issues = tuple(issues)
-        super().__init__("\n".join(each.message for each in self.issues))
-
-    def below(self, *path: str | int) -> IssuesFound:
-        """Return the same issues of a part that stands at `path`."""
-        placed = [each if each.is_placed else replace(each, path=(*path, *each.path)) for each in self.issues]
-        return IssuesFound(placed)
+from pounding_cli.errors import InputError, Issue, KeyPath
 
 
 @dataclass
@@ -47,9 +30,9 @@ class Issues:
         self.add((), (), issues)
 
     def check(self) -> None:
-        """Raise IssuesFound if anything was noted."""
+        """Raise InputError if anything was noted."""
         if self.points:
-            raise IssuesFound(issue for issue, _ in self.points)
+            raise InputError(issue for issue, _ in self.points)
 
 
 def drop_idle_axes(
@@ -71,11 +54,11 @@ def drop_idle_axes(
     return [dict(zip(deciding, point, strict=True)) for point in remaining]
 
 
-def to_issues(refused: Any, path: KeyPath) -> list[Issue]:
-    """Return the problems of an InputError as issues of the value at `path`; those inside a file keep their place."""
+def to_issues(refused: InputError, path: KeyPath) -> list[Issue]:
+    """Return the issues of what is wrong with the value at `path`; those with a place of their own keep it."""
     issues: list[Issue] = []
-    for problem in refused.problems:
-        if problem.line:
+    for problem in refused.issues:
+        if problem.is_placed or problem.path:
             issues.append(problem)
         else:
             file = f"{problem.file}: " if problem.file else ""

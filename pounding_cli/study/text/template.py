@@ -66,11 +66,11 @@ def start_study(name: str, schema: str, template: str = "pair", like: str | None
     InputError : the study exists already, its folder cannot be written, or there is no such example
     """
     if like is not None and like not in find_examples():
-        raise InputError(Issue((), f"there is no study '{like}' to start from", nearest(like, find_examples())))
+        raise InputError(f"there is no study '{like}' to start from", nearest(like, find_examples()))
     path = Path(name) if Path(name).suffix in (".yaml", ".yml") else Path(f"{name}.yaml")
     title = path.stem.replace("-", " ").replace("_", " ").strip()
     if not (title.strip(". ") and os.path.basename(name)):
-        raise InputError(Issue((), f"'{name}' names no file", "write a name, e.g. `pound init my-study`"))
+        raise InputError(f"'{name}' names no file", "write a name, e.g. `pound init my-study`")
     if os.path.exists(path):  # False for a name that is too long: the next check refuses that
         raise InputError(Issue((), "is there already", "choose another name, or move it away", file=str(path)))
     if like is None:
