@@ -12,7 +12,6 @@ import click
 
 from pounding_cli.cli.main import COMMANDS, cli
 from pounding_cli.methods import METHODS
-from pounding_cli.notes import NOTES, Severity
 from pounding_cli.questions import load_questions, study_model
 from pounding_cli.questions.gap.spec import Gb50011Spec, NtcSpec
 from pounding_cli.report.references import list_method_sources
@@ -161,27 +160,6 @@ def methods_page() -> str:
     return "\n\n".join(["# Methods", about, "\n".join(list_method_sources(METHODS))]) + "\n"
 
 
-def notes_page() -> str:
-    """The catalogue of notes by code."""
-    parts = [
-        "# Notes",
-        textwrap.dedent("""\
-        What may be doubtful in a study, and what limits numbers, by the code in front of it: `[stiffness]`. `pound
-        explain stiffness` prints an entry, and a study silences it by `accept: [stiffness]`; the page then says that
-        it did. What takes the meaning from numbers cannot be silenced."""),
-    ]
-    for heading, severity in (
-        ("What may be doubtful in a study", Severity.DOUBT),
-        ("What limits numbers", Severity.NOTE),
-        ("What takes the meaning from numbers", Severity.ERROR),
-    ):
-        parts.append(f"## {heading}")
-        for note in NOTES.values():
-            if note.severity is severity:
-                parts += [f"### {note.code}", f"*{note.title}*", note.explanation]
-    return "\n\n".join(parts) + "\n"
-
-
 def commands_page() -> str:
     """Every command: its help, its arguments and options, and its subcommands."""
     parts = ["# Commands", "What `pound COMMAND --help` says. Exit codes: 0 done; 1 some time histories failed, or two "
@@ -230,7 +208,6 @@ def pages() -> Iterator[tuple[str, str]]:
         yield f"examples/{path.stem}.md", notebook_page(path)
     yield "reference/commands.md", commands_page()
     yield "reference/keys.md", keys_page()
-    yield "notes.md", notes_page()
     yield "reference/methods.md", methods_page()
     yield "reference/api.md", api_page()
 

@@ -1,4 +1,4 @@
-"""docs/architecture.md says how often each part of a study is built, and names only what the code has."""
+"""docs/architecture.md and from-file-to-scene.md name what the code has, and how often it builds parts of a study."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ ROOT = Path(__file__).parents[2]
 STUDY = Path(pounding_cli.study.__file__).parent
 SOURCE = "\n".join(path.read_text(encoding="utf-8") for path in sorted(STUDY.rglob("*.py")))
 PAGE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+WALK = (ROOT / "docs" / "from-file-to-scene.md").read_text(encoding="utf-8")
 SWEEPS = [
     "",
     "sweep: {impact.stiffness: [5 x stiffest storey, 20 x stiffest storey, 100 x stiffest storey]}",
@@ -26,7 +27,7 @@ SWEEPS = [
 
 def read_section(heading: str) -> str:
     """Return what stands below a heading of the page, up to the next one."""
-    return re.split(rf"^#+ {heading}$", PAGE, flags=re.MULTILINE)[1].split("\n#")[0]
+    return re.split(rf"^#+ {heading}$", WALK, flags=re.MULTILINE)[1].split("\n#")[0]
 
 
 def trace_calls(path: Path) -> list[str]:
@@ -58,9 +59,7 @@ def traced(request, tmp_path) -> tuple[int, list[str]]:
 def test_the_table_has_the_numbers_of_calls(traced):
     """Fails if a part is built again at points of the sweep that do not change it."""
     column, called = traced
-    rows = re.findall(
-        r"^\| [^|]+ \| (`[^|]+`) \| (\d+) \| (\d+) \| (\d+) \|$", read_section("From a file to a scene"), re.MULTILINE
-    )
+    rows = re.findall(r"^\| [^|]+ \| (`[^|]+`) \| (\d+) \| (\d+) \| (\d+) \|$", read_section("The calls"), re.MULTILINE)
     page = {name: int(counts[column]) for names, *counts in rows for name in re.findall(r"`(\w+)`", names)}
     assert len(page) > 10
     counted = Counter(called)
@@ -71,7 +70,7 @@ def test_the_walk_has_the_calls_in_their_order(traced):
     """All but those of Python data, and of whichever part an axis changes first."""
     _, called = traced
     called = [name.split(".")[-1] for name in called]
-    section = read_section("From a file to a scene").split("\n\n|")[0]
+    section = read_section("The calls").split("\n\n|")[0]
     names = dict.fromkeys(re.findall(r"`(\w+)`", section))
     functions = [name for name in names if re.search(rf"(?<!property\n    )\bdef {name}\(", SOURCE)]
     walk = [name for name in functions if name not in ("group", "tree_of", "sweep_part")]  # the first is a section here
@@ -82,13 +81,14 @@ def test_the_walk_has_the_calls_in_their_order(traced):
 
 def test_functions_and_files_of_the_page_exist():
     words = set(re.findall(r"\w+", SOURCE))
-    section = PAGE.split("### `study/`")[1].split("\n### ")[0]
+    rooms = PAGE.split("### `study/`")[1].split("\n### ")[0]
+    section = rooms + WALK
     named = re.findall(r"`(?:\w+\.)?(_?[a-z]+_\w+)(?:\([^`]*\))?`", section)
     assert len(named) > 30
     assert set(named) <= words | {path.stem for path in STUDY.parent.rglob("*.py")}
     files = re.findall(r"`(\w+\.py)`", section)
     assert {file for file in files if file != "points.py"} <= {path.name for path in STUDY.rglob("*.py")}
-    table = section.split("#### ")[0]
+    table = rooms
     for room, row in re.findall(r"^\| `(\w+)/` \| (.+) \|$", table, re.MULTILINE):
         here = {path.name for path in (STUDY / room).glob("*.py")} - {"__init__.py"}
         listed = set(re.findall(r"`(\w+\.py)`", row.replace("`schema/quantity.py`", "")))

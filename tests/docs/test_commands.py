@@ -26,7 +26,7 @@ HOW_TO = (
 """How-to pages that take long."""
 
 LONG = {"docs/reproduction.md", "docs/page.md", *(f"docs/how-to/{name}.md" for name in HOW_TO)}
-ELSEWHERE = {"docs/architecture.md", "docs/extending.md"}
+ELSEWHERE = {"docs/architecture.md", "docs/from-file-to-scene.md", "docs/extending.md"}
 """Pages whose Python has a test of its own, or is a sketch of types."""
 
 
