@@ -72,14 +72,14 @@ def read_pound(text: InstrumentFile) -> Samples | None:
     wide = next((row for row in rows if len(row.cells) != 1), None)
     if wide is not None:
         raise text.refuse_damaged(f"{pluralize(len(wide.cells), 'value')} on a line, where one should stand", wide.line)
-    values, start = text.values(end)
+    values = text.read_numbers(rows)
     if "samples" in header:
         text.check_count(header["samples"][0], len(values), header["samples"][1], "samples")
     name, _ = header.get("name", ("", 0))
     baseline, baseline_line = header.get("baseline", ("", 0))
     if baseline not in ("", *BASELINES):
         raise text.refuse(f"unknown baseline '{baseline}'", f"write {' or '.join(BASELINES)}", baseline_line)
-    return Samples(step, values, header["unit"][0], start, name=name, baseline=baseline)
+    return Samples(step, values, header["unit"][0], rows[0].line, name=name, baseline=baseline)
 
 
 def read_knet(text: InstrumentFile) -> Samples | None:

@@ -98,7 +98,7 @@ class InstrumentFile:
     def rows(self, start: int) -> list[Row]:
         """Return the lines from index `start` on as rows, without blank ones.  Raises InputError: there are none."""
         numbered = enumerate(self.lines[start:], start + 1)
-        rows = [Row(line, _GRAMMAR.split(words)) for line, words in numbered if words.strip()]
+        rows = [Row(line, cells) for line, words in numbered if (cells := words.split())]
         if not rows:
             raise self.refuse("no numbers after the header", "give a file that holds a ground motion", start)
         return rows
@@ -106,7 +106,11 @@ class InstrumentFile:
     def values(self, start: int) -> tuple[np.ndarray, int]:
         """Return all numbers from index `start` on, row by row, and the line, from 1, where they begin."""
         rows = self.rows(start)
-        return _GRAMMAR.read_numbers(self.text, rows), rows[0].line
+        return self.read_numbers(rows), rows[0].line
+
+    def read_numbers(self, rows: list[Row]) -> np.ndarray:
+        """Return the numbers of rows.  Raises InputError: a cell is none."""
+        return _GRAMMAR.read_numbers(self.text, rows)
 
     def read_fixed_width(self, start: int, count: int, form: str, last: bool = False) -> tuple[list[float], int]:
         """Return `count` numbers from index `start` on, and the index of the line after them.
