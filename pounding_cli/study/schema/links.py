@@ -120,20 +120,24 @@ link_keys: Callable[[Any], frozenset[str]] = functools.cache(_find_link_keys)
 """link_keys(law) -> the keys that a link of this law takes, beside those of its place."""
 
 
-@functools.cache
-def _enumerations(law: Any) -> dict[str, type[StrEnum]]:
-    hints = get_type_hints(law).items()
-    return {name: kind for name, kind in hints if isinstance(kind, type) and issubclass(kind, StrEnum)}
+_parameter_types: Callable[[Any], dict[str, Any]] = functools.cache(get_type_hints)
+"""_parameter_types(law) -> the type of every parameter of a law."""
+
+
+def _find_enumeration(law: Any, name: str) -> type[StrEnum] | None:
+    """Return the enumeration of the words that a parameter of a law may be; None of a number, or without it."""
+    kind = _parameter_types(law).get(name)
+    return kind if isinstance(kind, type) and issubclass(kind, StrEnum) else None
 
 
 def list_words(law: Any, name: str) -> list[str]:
     """Return the words that a parameter of a law may be; none of a number."""
-    return [str(word) for word in _enumerations(law).get(name, ())]
+    return [str(word) for word in _find_enumeration(law, name) or ()]
 
 
 def to_enum(law: Any, name: str, value: Any) -> Any:
     """Return a value as the law takes it: a word as a member of its enumeration, others as they are."""
-    enumeration = _enumerations(law).get(name)
+    enumeration = _find_enumeration(law, name)
     return value if enumeration is None or value is None else enumeration(value)
 
 
@@ -144,7 +148,7 @@ def needs_key(law: Any, name: str) -> bool:
 
 def _find_value_type(law: Any, name: str, declared: Any, words: tuple[str, ...]) -> Any:
     """Return the type of a key, from the parameter that a law declares; words : that the key may take."""
-    hint = get_type_hints(law)[name]
+    hint = _parameter_types(law)[name]
     if hint is bool:
         return bool
     if hint is int:
@@ -169,7 +173,7 @@ def law_fields(laws: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:
     for law in laws.values():
         for name, declared in key_parameters(law).items():
             owners = [owner for owner in laws.values() if name in key_parameters(owner)]
-            words = tuple(dict.fromkeys(str(word) for owner in owners for word in _enumerations(owner).get(name, ())))
+            words = tuple(dict.fromkeys(word for owner in owners for word in list_words(owner, name)))
             others = ", ".join(owner.name for owner in owners[:-1])
             names = f"{others} and {owners[-1].name}" if others else owners[-1].name
             value_type = _find_value_type(law, name, declared, words)
@@ -182,7 +186,7 @@ def _build_fields(law: Any) -> dict[str, Any]:
     fields: dict[str, Any] = {}
     for name, declared in key_parameters(law).items():
         default = law.parameters()[name].default
-        words = tuple(map(str, _enumerations(law).get(name, ())))
+        words = tuple(list_words(law, name))
         value_type = _find_value_type(law, name, declared, words)
         fields[name] = value_type | None, spec_field(None if needs_key(law, name) else default, declared.description)
     return fields

@@ -7,7 +7,7 @@ import re
 import types
 import typing
 from collections.abc import Iterator, Sequence
-from typing import Any, get_args, get_origin, get_type_hints
+from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import PydanticCustomError
@@ -33,8 +33,7 @@ from pounding_cli.study.text.file import dump_yaml, get, nearest
 @functools.cache
 def fields_of(model: type[BaseModel]) -> dict[str, tuple[Any, Any]]:
     """Return type and field of every key of a mapping, as the file calls it."""
-    hints = get_type_hints(model, include_extras=True)
-    return {info.alias or name: (hints[name], info) for name, info in model.model_fields.items()}
+    return {info.alias or name: (info.rebuild_annotation(), info) for name, info in model.model_fields.items()}
 
 
 def leaf_types(kind: Any) -> Iterator[Any]:

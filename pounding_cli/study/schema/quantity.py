@@ -285,8 +285,8 @@ class Quantity(ValueParser):
 
     def _parse_number(self, value: Any) -> float:
         """Return the number in SI, whatever its range.  Raises PydanticCustomError."""
-        refuse_no_single(value, self.name, self.usage)
-        if not isinstance(value, int | float | str):
+        if isinstance(value, bool) or not isinstance(value, int | float | str):
+            refuse_no_single(value, self.name, self.usage)
             raise refuse(f"{quote(value)} is not a {self.name}", self.usage)
         if self.percent and not str(value).strip().endswith("%"):
             raise refuse(f"{quote(value)} is not a {self.name}: it lacks its %", self.usage)
