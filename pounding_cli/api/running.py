@@ -9,9 +9,9 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from pounding_cli.api.standing import compute_content_key, find_current, find_unchanged_output
+from pounding_cli.api.standing import compute_content_key, count_current, find_unchanged_output
 from pounding_cli.batch.cache import Cache, cache_path
 from pounding_cli.batch.parts import list_parts
 from pounding_cli.batch.pool import open_pool
@@ -96,8 +96,8 @@ def run_study(
     with contextlib.ExitStack() as stack:
         stack.callback(workers_of.close)
         content = compute_content_key(question)
-        _check_output(output, study, question.name, replace)
-        if not replace and (scenes := find_current(output, content)) is not None:
+        earlier = _check_output(output, study, question.name, replace)
+        if (scenes := count_current(earlier, content)) is not None:
             return RunOutcome(output, content, 0, 0, scenes, (), "none", 1, 0.0, time.perf_counter() - begin)
         unchanged = find_unchanged_output(question)
         shared = None if unchanged is None else cache_path(unchanged)
@@ -163,8 +163,10 @@ def summarize(outcome: RunOutcome) -> Summary:
     return summary
 
 
-def _check_output(path: Path, study: Study, workflow: str, replace: bool) -> None:
+def _check_output(path: Path, study: Study, workflow: str, replace: bool) -> dict[str, Any]:
     """Make sure that the results of a study can be written at `path`, before anything is computed; makes the folder.
+
+    Returns the attributes of the results that stand there; none with `replace`.
 
     Results of the same study are replaced: those that came from the same file, whatever it says by now; or from a file
     that is no longer there, with the same title. A study that is Python data is known by its title.
@@ -176,7 +178,7 @@ def _check_output(path: Path, study: Study, workflow: str, replace: bool) -> Non
     """
     check_output(path, [study.path], lambda place, _: is_results(place))
     if replace or not path.exists() or not path.stat().st_size:
-        return
+        return {}
     try:
         attributes = read_attributes(path, version=None)
     except InputError:
@@ -202,6 +204,7 @@ def _check_output(path: Path, study: Study, workflow: str, replace: bool) -> Non
     if obstacle:
         hint = "name another file with -o, or use --replace to delete it (in Python: replace=True)"
         raise InputError(Issue((), f"the output holds {obstacle}", hint, file=str(path)))
+    return attributes
 
 
 def _place_of(study: Study, results: Path) -> str:

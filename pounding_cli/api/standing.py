@@ -20,7 +20,7 @@ from pounding_cli.batch.forecast import RunDuration, estimate_duration, measure_
 from pounding_cli.errors import InputError
 from pounding_cli.questions import load_question
 from pounding_cli.results.changes import read_earlier_study
-from pounding_cli.results.file import read_attributes
+from pounding_cli.results.file import FORMAT_VERSION, read_attributes
 from pounding_cli.results.responses import Responses, solution_key
 
 if TYPE_CHECKING:
@@ -47,11 +47,18 @@ def find_current(output: Path, content: str) -> int | None:
     None where the file is missing, cannot be read, holds something else, or lacks some.
     """
     try:
-        attributes = read_attributes(output)
-        is_same = attributes["content"] == content and int(attributes["scenes_failed"]) == 0
-        return int(attributes["scenes"]) if is_same else None
-    except (InputError, KeyError):
+        return count_current(read_attributes(output), content)
+    except InputError:
         return None
+
+
+def count_current(attributes: Mapping[str, Any], content: str) -> int | None:
+    """Return the number of time histories of results that hold this content, all of them solved; None of others.
+
+    attributes : of the results file; none where there is no file
+    """
+    is_same = int(attributes.get("format_version", 0)) == FORMAT_VERSION and attributes.get("content") == content
+    return int(attributes["scenes"]) if is_same and int(attributes["scenes_failed"]) == 0 else None
 
 
 @dataclass(frozen=True)
