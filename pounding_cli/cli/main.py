@@ -58,6 +58,9 @@ NOBODY_READS = 141
 """Exit code of SIGPIPE, as shells count it."""
 
 
+_LINEAR_ALGEBRA = ("OPENBLAS", "OMP", "MKL", "NUMEXPR", "VECLIB_MAXIMUM")
+# Each takes one thread: scenes are solved side by side, and their matrices are small; threads cost a fifth of a start.
+
 AFTER_STOP = "stopped; run the same command again to resume."
 """What a command says at its end after Ctrl-C."""
 
@@ -113,6 +116,8 @@ def main() -> None:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(encoding="utf-8", errors="replace")
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # looking for some reads a file of every package
+    for library in _LINEAR_ALGEBRA:
+        os.environ.setdefault(f"{library}_NUM_THREADS", "1")
     with take_signals(GRACE, _end):
         code = _run()
     for stream in (sys.stdout, sys.stderr):

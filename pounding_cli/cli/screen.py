@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from pounding_cli.cli.options import FILE, cell_options, output_option
-from pounding_cli.cli.solve import answer_question, prepare_solving, print_taken, solving_options
+from pounding_cli.cli.solve import answer_question, print_taken, solving_options
 from pounding_cli.errors import InputError, Issue
 
 MAX_WARNINGS = 10
@@ -90,7 +90,6 @@ def screen(
       pound screen street.csv --hazard '{0.1 g: 0.02, 0.4 g: 1/475}'
       pound screen street.csv --pair "3 | 5" > pair.yaml
     """
-    prepare_solving()
     from pounding_cli.api.studies import default_output
     from pounding_cli.batch.progress import JsonLines
     from pounding_cli.questions.screen.question import Screen

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
@@ -112,7 +111,6 @@ def solve_study(
 
     Returns whether every scene was solved and everything was written.
     """
-    prepare_solving()
     from pounding_cli.api.studies import default_output, load_study
     from pounding_cli.batch.progress import JsonLines
     from pounding_cli.questions import load_question
@@ -146,13 +144,6 @@ def print_taken(taken: Iterable[str], quiet: bool, log: JsonLines | None) -> Non
             log.write_event("note", text=sentence)
         elif not quiet:
             click.echo(escape_controls(sentence), err=True)
-
-
-def prepare_solving() -> None:
-    """Let linear algebra use one thread, before anything is imported: scenes are solved side by side, and their
-    matrices are small."""
-    for library in ("OPENBLAS", "OMP", "MKL", "NUMEXPR", "VECLIB_MAXIMUM"):
-        os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 
 
 def answer_question(asked: StudyQuestion, path: Path, quiet: bool, log_json: bool, **how: Any) -> bool:

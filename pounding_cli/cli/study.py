@@ -105,14 +105,15 @@ def check(study: Path, changes: tuple[Change, ...], output: Path | None) -> None
       pound check configs/fig6.yaml
       pound check configs/fig6.yaml accuracy=1e-8
     """
-    from pounding_cli.api.studies import load_study
     from pounding_cli.paper import TITLES as POINT_TITLES
-    from pounding_cli.questions import TITLES
+    from pounding_cli.questions import TITLES, study_model
     from pounding_cli.reading import shorten_path
-    from pounding_cli.study.text.file import kind_of_file
+    from pounding_cli.study.load import build_study
+    from pounding_cli.study.text.file import kind_of, read_study
 
     name = shorten_path(study)
-    kind = kind_of_file(study)
+    text, tree = read_study(study)
+    kind = kind_of(tree)
     if kind in POINT_TITLES:
         from pounding_cli.paper.points import load_sweep
 
@@ -121,7 +122,7 @@ def check(study: Path, changes: tuple[Change, ...], output: Path | None) -> None
             click.echo(f"warning: {warning}", err=True)
         click.echo(f"OK: {name}: a study of `pound {kind}`, {pluralize(len(sweep.points), 'point')} to compute")
         return
-    read = load_study(study, changes)
+    read = build_study(study, text, tree, study_model(), changes)
     questions = _read_questions(read, [each for each in TITLES if each == "run" or read.tree.get(each) is not None])
     plan, *_ = [each.plan for each in questions]
     for warning in read.warnings:
