@@ -192,15 +192,12 @@ class _Planner:
         numbers = np.empty((*rows, 1 + len(spec.group)), np.int32)
         divided_rows = np.zeros(rows, bool)
         for place, case in enumerate(self.cases):
-            begun = sweep_map(
-                lambda group, links: Digests(drop_plans(group.buildings, links), links),
-                self.parts.group,
-                self.parts.links[case],
-            )
-            numbers[..., place, :, :, 0] = self.number_scenes(begun)
-            divided_rows[..., place, :, :] = self.find_divided(self.parts.links[case])
+            row = self.parts.group, self.parts.links[case]
+            numbers[..., place, :, :, 0] = self.number_scenes(sweep_map(_begin_digests, *row))
+            is_of_parts = sweep_map(lambda group, links: is_divided(group.buildings, links), *row)
+            divided_rows[..., place, :, :] = is_of_parts.spread(range(len(self.sizes)))[..., None, None]
         for place, name in enumerate(spec.group):
-            alone = self.number_scenes(sweep_map(_begin_alone, self.parts.types[name]))
+            alone = self.number_scenes(sweep_map(_begin_digests_alone, self.parts.types[name]))
             numbers[..., 1 + place] = alone[..., None, :, :]
         if row_filter is not None:
             points = product(*map(range, self.sizes))
@@ -246,18 +243,9 @@ class _Planner:
         finished = sweep_map(lambda digests, suffixes: b"".join(map(digests.finish, suffixes)), begun, self.suffixes)
         for digests in finished.values.flat:
             self.content += digests
-        sizes = [size if axis in finished.axes else 1 for axis, size in enumerate(self.sizes)]
         numbers = np.arange(first, len(self.content) // DIGEST_SIZE, dtype=np.int32)
-        return numbers.reshape(*sizes, len(self.analyses), len(self.records))
-
-    def find_divided(self, links: Swept[tuple[Link, ...]]) -> np.ndarray:
-        """Return where the links of a case leave parts of the row that nothing links.
-
-        Shape: points of every axis (1 where this does not depend on it), 1, 1.
-        """
-        found = sweep_map(lambda group, of_case: is_divided(group.buildings, of_case), self.parts.group, links)
-        sizes = [size if axis in found.axes else 1 for axis, size in enumerate(self.sizes)]
-        return found.values.astype(bool).reshape(*sizes, 1, 1)
+        points = finished.spread(range(len(self.sizes))).shape
+        return numbers.reshape(*points, len(self.analyses), len(self.records))
 
     def build_scene(self, row: int) -> Scene:
         """Return the scene of a row by its flat number; scenes of one point and case share buildings and links."""
@@ -275,7 +263,12 @@ class _Planner:
         )
 
 
-def _begin_alone(building: Building) -> Digests:
+def _begin_digests(group: Group, links: tuple[Link, ...]) -> Digests:
+    """Return the digests of the scenes of buildings and links."""
+    return Digests(drop_plans(group.buildings, links), links)
+
+
+def _begin_digests_alone(building: Building) -> Digests:
     """Return the digests of the scenes of a building that stands alone."""
     return Digests(drop_plans((building,), ()), ())
 
@@ -302,7 +295,7 @@ def _build_table(group: Swept[Group], cases: list[Swept[tuple[Link, ...]]], size
         flat = list(swept.values.flat)
         points = [point for point, rows in enumerate(flat) for _ in rows]
         where = points, [number[place] for rows in flat for place, _ in rows]
-        shape = [size if axis in swept.axes else 1 for axis, size in enumerate(sizes)]
+        shape = swept.spread(range(len(sizes))).shape
         for name, array in table.items():
             values = np.full((len(flat), len(columns)), ABSENT_LINK[name])
             values[where] = [facts[name] for rows in flat for _, facts in rows]

@@ -232,7 +232,7 @@ def _find_listed_ends(
             issues.add_written(replace(issue, hint=issue.hint + pair_hint) for issue in refused.issues)
             continue
         if is_list:
-            found[_join_floors(link, floor, right_floors[floor], meeting)] = None
+            found[_incline(link, LinkEnds(floor, right_floors[floor]), meeting)] = None
     return tuple(found)
 
 
@@ -272,15 +272,11 @@ def _choose_ends(
         return ()
     if isinstance(link.floors, tuple):
         return listed
-    ends = tuple(_join_floors(link, *both, meeting) for both in meeting.floors)
+    ends = [_incline(link, LinkEnds(*both), meeting) for both in meeting.floors]
     if link.floors == "rest":
         return tuple(each for each in ends if each.places not in taken)
-    return tuple(each for each in ends if each.left_floor not in _listed_floors(link))
-
-
-def _join_floors(link: LinkSpec, left_floor: int, right_floor: int, meeting: Meeting) -> LinkEnds:
-    """Return the ends of a link between two floors."""
-    return _incline(link, LinkEnds(left_floor, right_floor), meeting)
+    left_out = _listed_floors(link)
+    return tuple(each for each in ends if each.left_floor not in left_out)
 
 
 def _incline(link: LinkSpec, ends: LinkEnds, meeting: Meeting) -> LinkEnds:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
@@ -42,6 +42,11 @@ class Swept(Generic[T]):
     def is_sound(self) -> bool:
         """True if nothing is wrong with it at any point."""
         return all(value is not None for value in self.values.flat)
+
+    def spread(self, axes: Iterable[int]) -> np.ndarray:
+        """Return the values over other axes: all on which it depends, and each of the others one long."""
+        sizes = dict(zip(self.axes, self.values.shape, strict=True))
+        return self.values.reshape([sizes.get(axis, 1) for axis in axes])
 
     def iter_values(self) -> Iterator[tuple[Point, T]]:
         """Yield every different value once, with the first point of its axes at which it stands."""
@@ -94,7 +99,7 @@ def sweep_map(build: Callable[..., R], *parts: Swept[Any], issues: Issues | None
     issues : where to note these; raised unless given
     """
     axes = tuple(sorted({axis for part in parts for axis in part.axes}))
-    views = np.broadcast_arrays(*(_align(part, axes) for part in parts))
+    views = np.broadcast_arrays(*(part.spread(axes) for part in parts))
     shape = views[0].shape
     built: dict[tuple[int, ...], tuple[R | None, tuple[Any, ...]]] = {}
     results: list[R | None] = []
@@ -119,9 +124,3 @@ def _build(build: Callable[..., R], values: tuple[Any, ...], raises: bool) -> tu
         if raises:
             raise
         return None, refused.issues
-
-
-def _align(part: Swept[Any], axes: tuple[int, ...]) -> np.ndarray:
-    """Return the values of a part with an axis of length 1 for each axis that it does not depend on."""
-    sizes = dict(zip(part.axes, part.values.shape, strict=True))
-    return part.values.reshape([sizes.get(axis, 1) for axis in axes])
