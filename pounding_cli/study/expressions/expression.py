@@ -8,6 +8,7 @@ import ast
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -150,6 +151,17 @@ class Scope:
         kinds = (self.buildings, self.cases, self.analyses, (*self.motions, *self.absent), self.laws)
         return dict(zip(_KINDS, kinds, strict=True))
 
+    @cached_property
+    def place_pattern(self) -> str:
+        """The pattern of one place of a quantity."""
+        named = {kind: sorted(names, key=len, reverse=True) for kind, names in self.names.items()}
+        laws = "|".join(map(re.escape, named.pop(_LAW)))
+        every = sorted({name for names in named.values() for name in names}, key=len, reverse=True)
+        either = "|".join(map(re.escape, every))
+        words = _PLACE_WORDS.format(roles="|".join((STIFFEST, SOFTER)))
+        of_links = rf"|(?:{laws})\s+links\b" if laws else ""
+        return rf"{words}{of_links}|(?:(?:{'|'.join(named)})\s+)?(?:{either})(?![\w-])"
+
 
 @dataclass(frozen=True)
 class Instant:
@@ -262,7 +274,7 @@ def parse_expression(text: str, scope: Scope, over_height: bool = False) -> Expr
             raise error.about(text) from None
         return f"_{len(quantities) - 1}"
 
-    arithmetic = re.sub(PHRASE.format(places=place_pattern(scope)), replace_phrase, text)
+    arithmetic = re.sub(PHRASE.format(places=scope.place_pattern), replace_phrase, text)
     try:
         node = ast.parse(arithmetic.strip(), mode="eval").body
         unit, work = _compile_node(node, quantities)
@@ -285,17 +297,6 @@ def parse_expression(text: str, scope: Scope, over_height: bool = False) -> Expr
 def has_ratio(quantity: TableQuantity) -> bool:
     """Return whether the tables have a quantity over the height of its storey, too."""
     return quantity.name in OVER_HEIGHT and quantity.instant is None
-
-
-def place_pattern(scope: Scope) -> str:
-    """Return the pattern of one place of a quantity."""
-    named = {kind: sorted(names, key=len, reverse=True) for kind, names in scope.names.items()}
-    laws = "|".join(map(re.escape, named.pop(_LAW)))
-    every = sorted({name for names in named.values() for name in names}, key=len, reverse=True)
-    either = "|".join(map(re.escape, every))
-    words = _PLACE_WORDS.format(roles="|".join((STIFFEST, SOFTER)))
-    of_links = rf"|(?:{laws})\s+links\b" if laws else ""
-    return rf"{words}{of_links}|(?:(?:{'|'.join(named)})\s+)?(?:{either})(?![\w-])"
 
 
 def _parse_quantity(match: re.Match[str], scope: Scope) -> TableQuantity:
@@ -396,7 +397,7 @@ def parse_places(match: re.Match[str], name: str, scope: Scope) -> Places:
     if match["in"] is None:
         return places
     buildings = scope.buildings
-    written = [each[1] for each in re.finditer(rf"\s+({place_pattern(scope)})", match["places"])]
+    written = [each[1] for each in re.finditer(rf"\s+({scope.place_pattern})", match["places"])]
     unknown = re.split(r"[-+*/(),<>=\[]", match.string[match.end("places") :])[0].strip()[:40]
     is_link = name in (*LINK, *LINK_FACTS) and not (name == SHEAR_DEMAND and scope.of_limits)
     of_line = bool(written) and written[-1].startswith("line ")  # no building stands behind it

@@ -22,7 +22,6 @@ from pounding_cli.study.expressions.expression import (
     Scope,
     TableQuantity,
     parse_places,
-    place_pattern,
 )
 from pounding_cli.study.schema.quantity import ACCELERATION, LENGTH, Quantity
 from pounding_cli.study.text.file import nearest
@@ -161,7 +160,7 @@ def _parse_event(text: str, event: re.Match[str], scope: Scope) -> Limit:
         raise InputError(f"'{text[:60]}' is not a limit: {name} takes no value", hint)
     if not rest:
         return Limit(text, name)
-    phrase = re.match(PHRASE.format(places=place_pattern(scope)), f"{name.split()[-1]} {rest}")
+    phrase = re.match(PHRASE.format(places=scope.place_pattern), f"{name.split()[-1]} {rest}")
     if phrase is None or phrase["in"] is None:
         raise InputError(f"'{text[:60]}' is not a limit", hint)
     if name == CONTACT:
